@@ -1,0 +1,44 @@
+"""Models of Newton's cradles in MJCF, as files and as functions.
+
+``model_path("row_5")`` is a file for MuJoCo; `row` and `two_string` make rows of any
+length and mix of balls. A model rests when loaded; its keyframe ``release`` holds the
+lifted balls::
+
+    model = mujoco.MjModel.from_xml_path(str(cradle_models.model_path("row_5")))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("release").id)
+
+The package needs neither MuJoCo nor mujoco_impact to be imported.
+"""
+
+from cradle_models.ball import LETTERS, A, B, Ball, balls
+from cradle_models.catalogue import (
+    PAPER_PATTERNS,
+    list_models,
+    make_model,
+    model_path,
+    write_models,
+)
+from cradle_models.errors import CradleModelError, ModelValueError, UnknownModelError
+from cradle_models.free import free_balls, two_string
+from cradle_models.pendulums import lattice, row
+
+__all__ = [
+    "LETTERS",
+    "PAPER_PATTERNS",
+    "A",
+    "B",
+    "Ball",
+    "CradleModelError",
+    "ModelValueError",
+    "UnknownModelError",
+    "balls",
+    "free_balls",
+    "lattice",
+    "list_models",
+    "make_model",
+    "model_path",
+    "row",
+    "two_string",
+    "write_models",
+]

@@ -1,0 +1,132 @@
+"""The parts of an MJCF scene that all models share: options, looks, light, camera."""
+
+import math
+from collections.abc import Sequence
+from typing import Literal
+from xml.sax.saxutils import quoteattr
+
+from cradle_models.ball import Ball
+from cradle_models.checks import require_positive
+from cradle_models.errors import ModelValueError
+
+Integrator = Literal["Euler", "RK4", "implicit", "implicitfast", "discrete"]
+
+#: Integrators of MuJoCo; ``discrete`` needs MuJoCo 4.
+INTEGRATORS: tuple[Integrator, ...] = (
+    "Euler",
+    "RK4",
+    "implicit",
+    "implicitfast",
+    "discrete",
+)
+
+#: Vertical opening of the camera [deg], and the width over height it is fitted to.
+FIELD_OF_VIEW = 40.0
+ASPECT = 4 / 3
+
+# One shade of steel for each kind of ball in a scene, by order of appearance.
+SHADES = ("0.66 0.68 0.72 1", "0.36 0.40 0.46 1", "0.62 0.54 0.40 1")
+
+
+def number(value: float) -> str:
+    """Return the shortest text that reads back as the same float."""
+    return repr(float(value))
+
+
+def numbers(*values: float) -> str:
+    """Return the values separated by spaces, each exact."""
+    return " ".join(number(value) for value in values)
+
+
+def kinds(row: Sequence[Ball]) -> dict[Ball, str]:
+    """Return the material name of each kind of ball, by order of appearance."""
+    different = tuple(dict.fromkeys(row))
+    return {ball: f"steel_{i % len(SHADES) + 1}" for i, ball in enumerate(different)}
+
+
+def camera(half_width: float, top: float, bottom: float, depth: float = 0.0) -> str:
+    """Return a camera in front of the x-z plane (looking along +y) that sees the box.
+
+    Args:
+        half_width: The box reaches from -half_width to +half_width in x [m].
+        top: Highest z of the box [m].
+        bottom: Lowest z of the box [m].
+        depth: The box reaches from -depth to +depth in y [m].
+    """
+    tangent = math.tan(math.radians(FIELD_OF_VIEW / 2))
+    needed = max((top - bottom) / 2, half_width / ASPECT) / tangent
+    distance = 1.1 * needed + depth
+    return (
+        f'<camera name="cradle" mode="fixed" fovy="{number(FIELD_OF_VIEW)}" '
+        f'pos="{numbers(0.0, round(-distance, 3), round((top + bottom) / 2, 3))}" '
+        'xyaxes="1 0 0 0 0 1"/>'
+    )
+
+
+def document(
+    name: str,
+    *,
+    world: Sequence[str],
+    view: str,
+    row: Sequence[Ball],
+    extent: float,
+    timestep: float,
+    integrator: str,
+    gravity: float,
+    after: Sequence[str] = (),
+) -> str:
+    """Return a whole MJCF document.
+
+    Args:
+        name: Name of the model.
+        world: Lines inside ``<worldbody>``, without indentation.
+        view: The camera element.
+        row: Balls of the scene, for the materials.
+        extent: Half of the size of the scene [m].
+        timestep: Timestep [s].
+        integrator: One of `INTEGRATORS`.
+        gravity: Gravity along -z [m/s^2], 0 allowed.
+        after: Lines after ``</worldbody>``, without indentation.
+    """
+    require_positive("timestep [s]", timestep)
+    if integrator not in INTEGRATORS:
+        raise ModelValueError(f"integrator = {integrator!r}; allowed: {INTEGRATORS}")
+    if not (math.isfinite(gravity) and gravity >= 0):
+        raise ModelValueError(f"gravity [m/s^2] = {gravity}; allowed: finite and >= 0")
+    materials = [
+        f'<material name="{material}" rgba="{shade}" specular="0.9" shininess="0.9" '
+        'reflectance="0.2"/>'
+        for material, shade in zip(
+            dict.fromkeys(kinds(row).values()), SHADES, strict=False
+        )
+    ]
+    light = (
+        f'<light name="lamp" pos="{numbers(0.0, -2 * extent, 2 * extent)}" '
+        'dir="0 1 -1" directional="true"/>'
+    )
+    lines = [
+        f"<mujoco model={quoteattr(name)}>",
+        f'  <option timestep="{number(timestep)}" integrator="{integrator}" '
+        f'gravity="{numbers(0.0, 0.0, -gravity)}"/>',
+        f'  <statistic extent="{number(round(extent, 3))}"/>',
+        "  <visual>",
+        '    <headlight ambient="0.3 0.3 0.3" diffuse="0.3 0.3 0.3"/>',
+        "  </visual>",
+        "  <default>",
+        '    <geom condim="1"/>',
+        '    <site group="0" rgba="0.35 0.35 0.38 1"/>',
+        "  </default>",
+        "  <asset>",
+        '    <texture name="backdrop" type="skybox" builtin="gradient" '
+        'rgb1="0.93 0.95 0.97" rgb2="0.70 0.74 0.80" width="32" height="192"/>',
+        *(f"    {line}" for line in materials),
+        "  </asset>",
+        "  <worldbody>",
+        f"    {light}",
+        f"    {view}",
+        *(f"    {line}" for line in world),
+        "  </worldbody>",
+        *(f"  {line}" for line in after),
+        "</mujoco>",
+    ]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/commit.h"
+
+#include "engine/motion.h"
+#include "engine/runge_kutta.h"
+#include "engine/scratch.h"
+#include "engine/slots.h"
+#include "engine/state.h"
+
+namespace mujoco_impact::engine {
+
+namespace {
+
+// The correction was computed for the integrator of the options. mj_step2 integrates with Euler
+// even where the option says RK4: then the impulse acted from the start of the step.
+void CorrectForEuler(const mjModel* m, mjData* d, State& state) {
+  Scratch scratch(d);
+  mjtNum* shift = scratch.Take<mjtNum>(m->nv);
+  mj_solveM(m, d, shift, state.held_force(), 1);
+  // Δq for lag 0 = Δq for lag a − a h ΔV
+  const mjtNum h = m->opt.timestep;
+  mju_addToScl(state.correction(), shift, -ImpulseLag(m) * h * h, m->nv);
+}
+
+}  // namespace
+
+void CommitStep(const mjModel* m, mjData* d, int instance) {
+  State state(m, d, instance);
+  Header& header = state.header();
+  const bool half_step_missing = m->opt.integrator == mjINT_RK4 && !WasRungeKutta(state);
+  header.stage_open = 0;
+  if (header.pending != 0) {
+    if (half_step_missing) CorrectForEuler(m, d, state);
+    mj_integratePos(m, d->qpos, state.correction(), 1);
+    CommitPulses(m, state, instance);
+    header.pending = 0;
+  }
+  header.clock += m->opt.timestep;
+}
+
+}  // namespace mujoco_impact::engine

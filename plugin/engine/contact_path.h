@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// One contact along the path of the step: its gap, its normal, and when it closes.
+//
+// Each side is represented by a point of its body: the centre of a sphere, the contact point of any
+// other shape. With D = x₂ − x₁ along the path,
+//
+//   two spheres:   gap(τ) = |D(τ)| − (r₁ + r₂),      n(τ) = D(τ) / |D(τ)|
+//   otherwise:     gap(τ) = gap + n·(D(τ) − D(0)),   n constant
+//
+// Exact for spheres and planes up to the third derivative of the path; of first order for others.
+
+#ifndef MUJOCO_IMPACT_ENGINE_CONTACT_PATH_H_
+#define MUJOCO_IMPACT_ENGINE_CONTACT_PATH_H_
+
+#include <mujoco/mujoco.h>
+
+#include "engine/motion.h"
+#include "engine/point.h"
+
+namespace mujoco_impact::engine {
+
+// Closing speed of a contact at the start of the step [m/s], from mjData.cvel: what the scan of
+// every step pays per contact.
+mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& contact);
+
+// Whether the contact may be deeper than `touch` at the end of the step.
+inline bool MayClose(const mjModel* m, const mjData* d, const mjContact& contact, mjtNum touch) {
+  const mjtNum c = ClosingSpeed(m, d, contact);
+  return c > 0 && contact.dist - c * m->opt.timestep < -touch;
+}
+
+class ContactPath {
+ public:
+  ContactPath(const mjModel* m, const mjData* d, const mjContact& contact, const Motion& motion);
+
+  const BodyPoint& side(int i) const { return side_[i]; }
+  bool spheres() const { return spheres_; }
+
+  mjtNum Gap(mjtNum tau) const;
+  mjtNum GapRate(mjtNum tau) const;
+  void Normal(mjtNum tau, mjtNum normal[3]) const;
+
+  // Time within the step at which the contact closes; false if it does not get deeper than `touch`.
+  // Slightly negative if it closed unnoticed at the end of the last step, because the free
+  // acceleration made it faster than the scan of that step could see.
+  bool ClosingTime(mjtNum timestep, mjtNum touch, mjtNum* tau) const;
+
+ private:
+  void Offset(mjtNum tau, mjtNum offset[3]) const;
+
+  BodyPoint side_[2];
+  bool spheres_;
+  mjtNum gap_;
+  mjtNum normal_[3];
+  mjtNum distance_[3], velocity_[3], acceleration_[3];  // D, Ḋ, D̈ at τ = 0
+};
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_CONTACT_PATH_H_

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/deliver.h"
+
+#include <algorithm>
+
+#include "engine/motion.h"
+#include "engine/point.h"
+#include "law/waveform.h"
+
+namespace mujoco_impact::engine {
+
+namespace {
+
+int BodyOf(const mjModel* m, const Pulse& pulse, int side) {
+  return m->geom_bodyid[static_cast<int>(pulse.geom[side])];
+}
+
+bool IsSphere(const mjModel* m, const Pulse& pulse, int side) {
+  return m->geom_type[static_cast<int>(pulse.geom[side])] == mjGEOM_SPHERE;
+}
+
+// Σ Jᵀ of a unit impulse along the pulse's normal, over all degrees of freedom.
+void AddPulseRow(const mjModel* m, const mjData* d, const Pulse& pulse, mjtNum* row) {
+  mjtNum normal[3];
+  PulseNormal(m, d, pulse, normal);
+  for (int side = 0; side < 2; ++side) {
+    BodyPoint point{BodyOf(m, pulse, side), {}};
+    PulsePoint(m, d, pulse, side, point.position);
+    const int last = LastDof(m, point.body);
+    if (last < 0) continue;
+    mjtNum* segment = row + m->tree_dofadr[m->dof_treeid[last]];
+    AddRow(m, d, point, normal, 0, side == 0 ? -1 : 1, segment);
+  }
+}
+
+// Whether the integrator divides by M + h B, B the joint damping, instead of M.
+bool ImplicitDamping(const mjModel* m) {
+  if (m->opt.integrator == mjINT_RK4 || (m->opt.disableflags & mjDSBL_DAMPER)) return false;
+  return m->opt.integrator != mjINT_EULER || !(m->opt.disableflags & mjDSBL_EULERDAMP);
+}
+
+}  // namespace
+
+Delivery MakeDelivery(const mjModel* m, Scratch& scratch) {
+  return {scratch.Zeros(m->nv), scratch.Zeros(m->nv), scratch.Zeros(m->nv)};
+}
+
+Share ShareOfStep(const Pulse& pulse, mjtNum clock, mjtNum h) {
+  const mjtNum W = pulse.duration, E = pulse.restitution;
+  const mjtNum begin = (clock - pulse.onset) / W;
+  const mjtNum end = (clock + h - pulse.onset) / W;
+  const mjtNum next = law::WaveformCumulative(end, E);
+  // the part of a new pulse that lies before this step comes now, with its own time
+  const mjtNum from = pulse.delivered == 0 ? 0 : begin;
+  Share share;
+  share.delivered_next = next;
+  share.impulse = pulse.impulse * (next - pulse.delivered);
+  share.moment =
+      pulse.impulse * W * (law::WaveformMoment(end, E) - law::WaveformMoment(from, E)) +
+      (pulse.onset - clock) * share.impulse;
+  return share;
+}
+
+void PulsePoint(const mjModel* m, const mjData* d, const Pulse& pulse, int side, mjtNum point[3]) {
+  const int body = BodyOf(m, pulse, side);
+  mju_mulMatVec3(point, d->xmat + 9 * body, pulse.point[side]);
+  mju_addTo3(point, d->xpos + 3 * body);
+}
+
+void PulseNormal(const mjModel* m, const mjData* d, const Pulse& pulse, mjtNum normal[3]) {
+  mju_copy3(normal, pulse.normal);
+  if (!IsSphere(m, pulse, 0) || !IsSphere(m, pulse, 1)) return;
+  mju_sub3(normal, d->geom_xpos + 3 * static_cast<int>(pulse.geom[1]),
+           d->geom_xpos + 3 * static_cast<int>(pulse.geom[0]));
+  mju_normalize3(normal);
+}
+
+void DeliverActive(const mjModel* m, const mjData* d, State& state, Delivery& delivery,
+                   Scratch& scratch) {
+  mjtNum* row = scratch.Take<mjtNum>(m->nv);
+  for (int i = 0; i < state.slots(); ++i) {
+    Pulse& pulse = state.pulse(i);
+    if (pulse.serial <= 0 || pulse.delivered >= 1) continue;
+    const Share share = ShareOfStep(pulse, state.header().clock, m->opt.timestep);
+    pulse.delivered_next = share.delivered_next;
+    mju_zero(row, m->nv);
+    AddPulseRow(m, d, pulse, row);
+    mju_addToScl(delivery.impulse, row, share.impulse, m->nv);
+    mju_addToScl(delivery.moment, row, share.moment, m->nv);
+    mju_addToScl(delivery.remaining, row, pulse.impulse * (1 - pulse.delivered), m->nv);
+  }
+}
+
+void Apply(const mjModel* m, mjData* d, State& state, const Delivery& delivery, Scratch& scratch) {
+  const mjtNum h = m->opt.timestep;
+  mjtNum* correction = state.correction();
+  mjtNum* force = state.held_force();
+  mjtNum* moment = scratch.Take<mjtNum>(m->nv);
+  // Δq = M⁻¹ (a h ΔP − M₁)
+  const mjtNum a = ImpulseLag(m);
+  for (int i = 0; i < m->nv; ++i) moment[i] = a * h * delivery.impulse[i] - delivery.moment[i];
+  mj_solveM(m, d, correction, moment, 1);
+  const bool damped = ImplicitDamping(m);
+  for (int i = 0; i < m->nv; ++i) {
+    force[i] = delivery.impulse[i] / h;
+    if (damped) force[i] -= m->dof_damping[i] * correction[i] / h;
+  }
+  mju_addTo(d->qfrc_passive, force, m->nv);
+  state.header().pending = 1;
+}
+
+}  // namespace mujoco_impact::engine

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Delivers pulses: what they exert in this step, independent of the size of the step.
+//
+// With I(t) the part of the pulse delivered by time t, the force of a step is the exact average
+// P (I(t + h) − I(t)) / h, so the total impulse is P for every h. The integrator moves the bodies as
+// if that impulse had come at the fraction a of the step (motion.h); the position correction
+//
+//   Δq = M⁻¹ Jᵀ (a h ΔP − M₁)        M₁ = ∫ s F(s) ds over the step, s from its start
+//
+// puts them where the pulse's own timing puts them. Joint damping that is treated implicitly acts on
+// the displacement the integrator made, Δq short of the true one; the force −B Δq/h makes up for it.
+
+#ifndef MUJOCO_IMPACT_ENGINE_DELIVER_H_
+#define MUJOCO_IMPACT_ENGINE_DELIVER_H_
+
+#include <mujoco/mujoco.h>
+
+#include "engine/scratch.h"
+#include "engine/state.h"
+
+namespace mujoco_impact::engine {
+
+// Generalized sums over the pulses of a step (nv each).
+struct Delivery {
+  mjtNum* impulse;    // Σ Jᵀ ΔP
+  mjtNum* moment;     // Σ Jᵀ M₁
+  mjtNum* remaining;  // Σ Jᵀ P (1 − delivered), of the pulses under way at the start of the step
+};
+
+Delivery MakeDelivery(const mjModel* m, Scratch& scratch);
+
+// Part of a pulse and its first moment in one step.
+struct Share {
+  mjtNum impulse;         // ΔP [N s]
+  mjtNum moment;          // M₁ [N s²]
+  mjtNum delivered_next;  // part delivered by the end of the step
+};
+
+// What a pulse exerts in the step of length h that starts at `clock`.
+Share ShareOfStep(const Pulse& pulse, mjtNum clock, mjtNum h);
+
+// World position of the pulse's point on its body `side`.
+void PulsePoint(const mjModel* m, const mjData* d, const Pulse& pulse, int side, mjtNum point[3]);
+
+// Direction of the pulse now: the line of centres of two spheres, otherwise as it was at onset.
+void PulseNormal(const mjModel* m, const mjData* d, const Pulse& pulse, mjtNum normal[3]);
+
+// Adds the pulses under way and notes what they will have delivered.
+void DeliverActive(const mjModel* m, const mjData* d, State& state, Delivery& delivery,
+                   Scratch& scratch);
+
+// Puts the sums into qfrc_passive and leaves the position correction pending in the state.
+void Apply(const mjModel* m, mjData* d, State& state, const Delivery& delivery, Scratch& scratch);
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_DELIVER_H_

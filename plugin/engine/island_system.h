@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// The contacts of one island as rows of a Jacobian, and their Delassus matrix W = J M⁻¹ Jᵀ.
+//
+// A row has at most two segments, one per kinematic tree that the contact joins, so W couples only
+// contacts that share a tree (a row of balls gives a tridiagonal W) and no row is ever as long as
+// the model. Rows are taken at the time of impact: n(τ)ᵀ (J + τ J̇).
+
+#ifndef MUJOCO_IMPACT_ENGINE_ISLAND_SYSTEM_H_
+#define MUJOCO_IMPACT_ENGINE_ISLAND_SYSTEM_H_
+
+#include <mujoco/mujoco.h>
+
+#include "engine/contact_path.h"
+#include "engine/motion.h"
+#include "engine/scratch.h"
+#include "law/impact_problem.h"
+
+namespace mujoco_impact::engine {
+
+// The part of a contact's row that lies on one kinematic tree.
+struct RowSegment {
+  int tree;  // −1: static or merged into the other segment
+  mjtNum* jacobian;          // J_k on the dofs of the tree
+  mjtNum* inverse_inertia;   // M⁻¹ J_kᵀ on the dofs of the tree
+};
+
+struct ContactRow {
+  const mjContact* contact;
+  ContactPath path;
+  mjtNum normal[3];  // n(τ), from geom[0] to geom[1]
+  mjtNum gap;        // gap(τ) [m]
+  RowSegment segment[2];
+};
+
+struct IslandSystem {
+  int size;
+  ContactRow* row;
+  law::DelassusMatrix delassus;
+};
+
+// Bytes of scratch that an island of these contacts takes.
+size_t IslandBytes(const mjModel* m, const mjData* d, const int* contacts, int count);
+
+// Builds the rows at time τ on the path of `motion`.
+IslandSystem BuildIsland(const mjModel* m, const mjData* d, const int* contacts, int count,
+                         const Motion& motion, mjtNum tau, Scratch& scratch);
+
+// J_k x for a vector of all degrees of freedom.
+mjtNum RowTimes(const mjModel* m, const ContactRow& row, const mjtNum* x);
+
+// x += J_kᵀ s
+void AddRowTransposed(const mjModel* m, const ContactRow& row, mjtNum s, mjtNum* x);
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_ISLAND_SYSTEM_H_

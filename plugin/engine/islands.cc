@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/islands.h"
+
+#include <algorithm>
+
+namespace mujoco_impact::engine {
+
+namespace {
+
+// Disjoint sets of trees with path halving.
+class TreeSets {
+ public:
+  TreeSets(int ntree, Scratch& scratch) : parent_(scratch.Take<int>(ntree)) {
+    for (int i = 0; i < ntree; ++i) parent_[i] = i;
+  }
+
+  int Root(int tree) {
+    while (parent_[tree] != tree) {
+      parent_[tree] = parent_[parent_[tree]];
+      tree = parent_[tree];
+    }
+    return tree;
+  }
+
+  void Join(int a, int b) { parent_[Root(a)] = Root(b); }
+
+ private:
+  int* parent_;
+};
+
+int MovingTree(const ContactTrees& trees) {
+  return trees.tree[0] >= 0 ? trees.tree[0] : trees.tree[1];
+}
+
+}  // namespace
+
+ContactTrees TreesOf(const mjModel* m, const mjContact& contact) {
+  return {{m->body_treeid[m->geom_bodyid[contact.geom[0]]],
+           m->body_treeid[m->geom_bodyid[contact.geom[1]]]}};
+}
+
+Islands FindIslands(const mjModel* m, const mjData* d, const int* contacts, const bool* due,
+                    int count, Scratch& scratch) {
+  TreeSets sets(m->ntree, scratch);
+  for (int i = 0; i < count; ++i) {
+    const ContactTrees trees = TreesOf(m, d->contact[contacts[i]]);
+    if (trees.tree[0] >= 0 && trees.tree[1] >= 0) sets.Join(trees.tree[0], trees.tree[1]);
+  }
+
+  // number the islands in which something closes, in the order of their first closing contact
+  int* island_of = scratch.Take<int>(m->ntree);
+  std::fill_n(island_of, m->ntree, -1);
+  const auto root = [&](int i) { return sets.Root(MovingTree(TreesOf(m, d->contact[contacts[i]]))); };
+  int number = 0;
+  for (int i = 0; i < count; ++i) {
+    if (due[i] && island_of[root(i)] < 0) island_of[root(i)] = number++;
+  }
+
+  // counting sort of the contacts by island
+  int* start = scratch.Take<int>(number + 2);
+  std::fill_n(start, number + 2, 0);
+  for (int i = 0; i < count; ++i) {
+    if (island_of[root(i)] >= 0) ++start[island_of[root(i)] + 2];
+  }
+  for (int k = 2; k < number + 2; ++k) start[k] += start[k - 1];
+  int* sorted = scratch.Take<int>(count);
+  for (int i = 0; i < count; ++i) {
+    const int island = island_of[root(i)];
+    if (island >= 0) sorted[start[island + 1]++] = i;
+  }
+  return {number, start, sorted};
+}
+
+}  // namespace mujoco_impact::engine

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Groups contacts into islands: contacts that share a moving kinematic tree, directly or through
+// other contacts. Only islands in which something closes are of interest.
+
+#ifndef MUJOCO_IMPACT_ENGINE_ISLANDS_H_
+#define MUJOCO_IMPACT_ENGINE_ISLANDS_H_
+
+#include <mujoco/mujoco.h>
+
+#include "engine/scratch.h"
+
+namespace mujoco_impact::engine {
+
+// The kinematic trees that a contact joins; −1 for a static side.
+struct ContactTrees {
+  int tree[2];
+};
+
+ContactTrees TreesOf(const mjModel* m, const mjContact& contact);
+
+// Contacts sorted by island, as positions in the list that was given.
+struct Islands {
+  int number;
+  const int* start;     // (number + 1) into position
+  const int* position;  // in the list of contacts
+};
+
+// `contacts` are indices into mjData.contact, `due[i]` says whether contacts[i] closes in this step.
+Islands FindIslands(const mjModel* m, const mjData* d, const int* contacts, const bool* due,
+                    int count, Scratch& scratch);
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_ISLANDS_H_

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the scene would move through the step if no contact closed.
+//
+//   a = M⁻¹ (forces − bias)        free acceleration: gravity, springs, dampers, actuators, applied
+//   V = v + h/2 a                  Euler, implicit, implicitfast, discrete
+//   V = v                          RK4
+//   q(τ) = q ⊕ (V τ + a τ²/2)      path within the step, τ from its start
+//
+// The semi-implicit integrators step q += h (v + h a) = h V + a h²/2: their v lags behind the
+// velocity of the path by half a step, and impacts happen on the path.
+
+#ifndef MUJOCO_IMPACT_ENGINE_MOTION_H_
+#define MUJOCO_IMPACT_ENGINE_MOTION_H_
+
+#include <mujoco/mujoco.h>
+
+#include "engine/scratch.h"
+
+namespace mujoco_impact::engine {
+
+struct Motion {
+  mjtNum* velocity;      // V (nv)
+  mjtNum* acceleration;  // a (nv)
+};
+
+// Position lag of the integrator in units of h: where within the step it thinks an impulse came
+// (0 at the start, 1/2 for Runge-Kutta, which spreads it).
+double ImpulseLag(const mjModel* m);
+
+Motion PredictMotion(const mjModel* m, mjData* d, Scratch& scratch);
+
+// x ← M⁻¹ x for the degrees of freedom of one kinematic tree; x is the tree's segment.
+void SolveTreeInertia(const mjModel* m, const mjData* d, int tree, mjtNum* x);
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_MOTION_H_

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which contacts an instance owns.
+//
+// A contact is ours if MuJoCo detected it and left it out of its solver because of a negative margin
+// (exclude = 1, no constraint row), and one of its geoms is in the tuple that bears the instance's
+// name. Without such a tuple every geom is owned.
+
+#ifndef MUJOCO_IMPACT_ENGINE_OWNERSHIP_H_
+#define MUJOCO_IMPACT_ENGINE_OWNERSHIP_H_
+
+#include <mujoco/mujoco.h>
+
+namespace mujoco_impact::engine {
+
+// The geoms of an instance, in the order of its tuple.
+class Ownership {
+ public:
+  Ownership(const mjModel* m, int instance);
+
+  int size() const { return size_; }
+
+  // Position of the geom in the order of the tuple; -1 if it is not owned.
+  int Index(int geom) const;
+
+  // Geom at a position of that order.
+  int Geom(int index) const { return geoms_ ? geoms_[index] : index; }
+
+  bool Owns(const mjContact& contact) const {
+    return Index(contact.geom[0]) >= 0 || Index(contact.geom[1]) >= 0;
+  }
+
+ private:
+  const int* geoms_;  // null: all
+  int size_;
+};
+
+// Whether MuJoCo detected the contact and a negative margin keeps it from the solver.
+inline bool IsReleased(const mjContact& contact) {
+  return contact.exclude == 1 && contact.efc_address < 0 && contact.includemargin < 0 &&
+         contact.geom[0] >= 0 && contact.geom[1] >= 0;
+}
+
+// Upper bound of the geoms an instance owns, the same while the model is compiled and afterwards.
+// MuJoCo asks for the sizes of state and sensor before it has filled in the tuples, so the bound is
+// the number of elements of all tuples (or of all geoms, if the instance has no tuple).
+int OwnedCapacity(const mjModel* m, int instance);
+
+// Why the tuple of the instance cannot be used, or null.
+const char* TupleFault(const mjModel* m, int instance);
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_OWNERSHIP_H_

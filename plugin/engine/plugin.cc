@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/plugin.h"
+
+#include <mujoco/mujoco.h>
+
+#include "engine/commit.h"
+#include "engine/config.h"
+#include "engine/ownership.h"
+#include "engine/sensor.h"
+#include "engine/state.h"
+#include "engine/step.h"
+
+namespace mujoco_impact::engine {
+
+namespace {
+
+int StateSize(const mjModel* m, int instance) {
+  return State::Size(OwnedCapacity(m, instance), static_cast<int>(m->nv));
+}
+
+int SensorSize(const mjModel* m, int instance, int) {
+  return kNumbersPerGeom * OwnedCapacity(m, instance);
+}
+
+// What no attribute can mend: MuJoCo would not call the plugin, or would solve its contacts itself.
+const char* ModelFault(const mjModel* m, int instance) {
+  if ((m->opt.disableflags & mjDSBL_SPRING) && (m->opt.disableflags & mjDSBL_DAMPER)) {
+    return "passive forces are off (flags spring and damper are both disabled), so bodies would "
+           "fall through each other; allowed: at most one of the two disabled";
+  }
+  if (m->opt.enableflags & mjENBL_OVERRIDE) {
+    return "the flag override gives the contacts back to MuJoCo's solver; allowed: override off";
+  }
+  return TupleFault(m, instance);
+}
+
+int Init(const mjModel* m, mjData* d, int instance) {
+  d->plugin_data[instance] = 0;
+  if (const char* fault = ModelFault(m, instance)) {
+    mju_warning("%s: %s", kPluginName, fault);
+    return -1;
+  }
+  ConfigError error;
+  ReadConfig(m, instance, Ownership(m, instance).size(), &error);
+  if (error.message[0]) {
+    mju_warning("%s", error.message);
+    return -1;
+  }
+  return 0;
+}
+
+void Compute(const mjModel* m, mjData* d, int instance, int capability) {
+  if (capability == mjPLUGIN_PASSIVE) ComputeStep(m, d, instance);
+  if (capability == mjPLUGIN_SENSOR) ComputeSensors(m, d, instance);
+}
+
+void Reset(const mjModel* m, mjtNum* plugin_state, void*, int instance) {
+  State::Reset(m, plugin_state, instance);
+}
+
+}  // namespace
+
+void RegisterPlugin() {
+  mjpPlugin plugin;
+  mjp_defaultPlugin(&plugin);
+  plugin.name = kPluginName;
+  plugin.nattribute = kAttributeCount;
+  plugin.attributes = kAttributes;
+  plugin.capabilityflags = mjPLUGIN_PASSIVE | mjPLUGIN_SENSOR;
+  plugin.needstage = mjSTAGE_ACC;
+  plugin.nstate = StateSize;
+  plugin.nsensordata = SensorSize;
+  plugin.init = Init;
+  plugin.reset = Reset;
+  plugin.compute = Compute;
+  plugin.advance = CommitStep;
+  mjp_registerPlugin(&plugin);
+}
+
+}  // namespace mujoco_impact::engine

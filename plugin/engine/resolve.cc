@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/resolve.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "law/hertz_contact.h"
+#include "law/impact_law.h"
+#include "law/passivity.h"
+#include "law/waveform.h"
+
+namespace mujoco_impact::engine {
+
+namespace {
+
+// Curvature of the geom at a contact [1/m]: exact for spheres and planes, of the order of the size
+// for other shapes, where it only sets how long a contact lasts and how it shares an impulse.
+mjtNum Curvature(const mjModel* m, int geom) {
+  const mjtNum* size = m->geom_size + 3 * geom;
+  switch (m->geom_type[geom]) {
+    case mjGEOM_PLANE:
+    case mjGEOM_HFIELD:
+    case mjGEOM_BOX:
+      return 0;
+    case mjGEOM_SPHERE:
+    case mjGEOM_CAPSULE:
+    case mjGEOM_CYLINDER:
+      return 1 / size[0];
+    case mjGEOM_ELLIPSOID:
+      return 1 / std::cbrt(size[0] * size[1] * size[2]);
+    default:
+      return 1 / m->geom_rbound[geom];
+  }
+}
+
+mjtNum ContactStiffness(const mjModel* m, const Config& config, const mjContact& contact) {
+  mjtNum curvature = Curvature(m, contact.geom[0]) + Curvature(m, contact.geom[1]);
+  if (curvature <= 0) {
+    // flat on flat: as stiff as a sphere of the size of the smaller body
+    curvature = 1 / std::max(m->geom_rbound[contact.geom[0]], m->geom_rbound[contact.geom[1]]);
+  }
+  return law::HertzStiffness(config.effective_modulus, curvature);
+}
+
+// What an island looks like to the laws.
+struct Problem {
+  int size;
+  mjtNum *closing_speed, *gap, *stiffness;
+  mjtNum *impulse, *moment, *onset, *after;  // the solution
+  mjtNum* work;
+};
+
+Problem MakeProblem(const mjModel* m, const Config& config, const IslandSystem& system,
+                    const mjtNum* velocity, Scratch& scratch) {
+  const int n = system.size;
+  Problem problem{n,
+                  scratch.Take<mjtNum>(n),
+                  scratch.Take<mjtNum>(n),
+                  scratch.Take<mjtNum>(n),
+                  scratch.Zeros(n),
+                  scratch.Zeros(n),
+                  scratch.Zeros(n),
+                  scratch.Take<mjtNum>(n),
+                  scratch.Take<mjtNum>(law::ImpactWorkspace(n))};
+  for (int k = 0; k < n; ++k) {
+    const ContactRow& row = system.row[k];
+    problem.closing_speed[k] = -RowTimes(m, row, velocity);
+    problem.gap[k] = row.gap <= config.touch ? 0 : row.gap;
+    problem.stiffness[k] = ContactStiffness(m, config, *row.contact);
+  }
+  return problem;
+}
+
+// p = m u of the body that brings the momentum into the contact that closes first: its effective
+// mass along the normal times the closing speed [kg m/s].
+mjtNum IncomingMomentum(const mjModel* m, const IslandSystem& system, int first, mjtNum speed,
+                        const mjtNum* velocity) {
+  const ContactRow& row = system.row[first];
+  mjtNum inverse_mass = system.delassus.diagonal[first], fastest = 0;
+  for (const RowSegment& segment : row.segment) {
+    if (segment.tree < 0) continue;
+    const int dofs = m->tree_dofnum[segment.tree];
+    const mjtNum towards =
+        -mju_dot(segment.jacobian, velocity + m->tree_dofadr[segment.tree], dofs);
+    if (towards <= fastest) continue;
+    fastest = towards;
+    inverse_mass = mju_dot(segment.jacobian, segment.inverse_inertia, dofs);
+  }
+  return speed / inverse_mass;
+}
+
+void SolveHertz(const Config& config, const IslandSystem& system, const ImpactTime& time,
+                Problem& problem) {
+  const law::ImpactProblem impact{system.delassus,
+                                  problem.closing_speed,
+                                  problem.gap,
+                                  problem.stiffness,
+                                  config.restitution,
+                                  config.dissipation,
+                                  time.timestep - time.tau,
+                                  law::kDefaultTolerance};
+  law::ImpactSolution solution{problem.impulse, problem.moment, problem.onset, problem.after};
+  law::SolveImpact(impact, config.passive, &solution, problem.work);
+}
+
+// P_k = α_k P on every contact that touches (10)-(12), made passive.
+void SolveCalibrated(const Config& config, const Ownership& ownership, const IslandSystem& system,
+                     int first, mjtNum momentum, Problem& problem, mjtNum* alpha,
+                     Scratch& scratch) {
+  const int pairs = ownership.size() - 1;
+  mjtNum* alphas = scratch.Take<mjtNum>(pairs);
+  ReadList(config.alpha, alphas, pairs);
+  const mjtNum common = law::CalibratedImpulse(config.calibrated, momentum);
+  for (int k = 0; k < problem.size; ++k) {
+    const mjContact& contact = *system.row[k].contact;
+    const int i = ownership.Index(contact.geom[0]), j = ownership.Index(contact.geom[1]);
+    const bool neighbours = i >= 0 && j >= 0 && std::abs(i - j) == 1;
+    alpha[k] = neighbours ? alphas[std::min(i, j)] : 1;
+    const bool touches = k == first || problem.gap[k] == 0;
+    problem.impulse[k] = touches ? alpha[k] * common : 0;
+  }
+  if (!config.passive) return;
+  const mjtNum scale = law::PassiveScale(system.delassus, problem.closing_speed, problem.impulse,
+                                         problem.work);
+  if (scale < 1) mju_scl(problem.impulse, problem.impulse, scale, problem.size);
+}
+
+// W for the contact, from the first moment of its force about the onset: the waveform then has the
+// same centre of impulse.
+mjtNum DurationFromMoment(mjtNum impulse, mjtNum moment, mjtNum onset, mjtNum restitution) {
+  return (moment / impulse - onset) / law::WaveformMoment(1, restitution);
+}
+
+}  // namespace
+
+void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
+                   const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
+                   Impact* impacts, Scratch& scratch) {
+  Problem problem = MakeProblem(m, config, system, velocity, scratch);
+  const int first = time.first;
+  const mjtNum speed = problem.closing_speed[first];
+  std::fill_n(impacts, system.size, Impact{});
+  if (speed <= 0) return;
+
+  // the law: impulses
+  const mjtNum reduced_mass = 1 / system.delassus.diagonal[first];
+  const mjtNum momentum = IncomingMomentum(m, system, first, speed, velocity);
+  const mjtNum e = config.waveform_restitution;
+  const bool hertz = config.law == Law::kHertz;
+  mjtNum* alpha = scratch.Zeros(system.size);
+  if (hertz) {
+    SolveHertz(config, system, time, problem);
+    // α_k = P_k / P_ref, P_ref = (1 + e) μ u of the contact that closes first
+    mju_scl(alpha, problem.impulse, 1 / ((1 + e) * reduced_mass * speed), system.size);
+  } else {
+    SolveCalibrated(config, ownership, system, first, momentum, problem, alpha, scratch);
+  }
+
+  // the waveform: when they come
+  const bool timed = hertz && config.duration_rule == DurationRule::kHertz;
+  mjtNum common = config.duration;
+  if (config.duration_rule == DurationRule::kPaper) {
+    common = law::CalibratedDuration(config.calibrated, momentum);
+  } else if (config.duration_rule == DurationRule::kHertz) {
+    common = (1 + e) / 2 * law::ContactTime(problem.stiffness[first], reduced_mass, speed);
+  }
+  mjtNum end = 0;
+  for (int k = 0; k < system.size; ++k) {
+    const mjtNum P = problem.impulse[k];
+    if (P <= 0) continue;
+    const mjtNum onset = timed ? problem.onset[k] : 0;
+    const mjtNum W = timed ? DurationFromMoment(P, problem.moment[k], onset, e) : common;
+    impacts[k] = {P, alpha[k], time.tau + onset, W, problem.moment[k] + time.tau * P, false};
+    end = std::max(end, onset + W);
+  }
+  for (int k = 0; k < system.size; ++k) impacts[k].at_once = timed && end <= time.timestep;
+}
+
+}  // namespace mujoco_impact::engine

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Asks the law for the impulses of an island and turns them into pulses.
+
+#ifndef MUJOCO_IMPACT_ENGINE_RESOLVE_H_
+#define MUJOCO_IMPACT_ENGINE_RESOLVE_H_
+
+#include <mujoco/mujoco.h>
+
+#include "engine/config.h"
+#include "engine/island_system.h"
+#include "engine/ownership.h"
+
+namespace mujoco_impact::engine {
+
+// An impulse of one contact and when it comes; times from the start of the step.
+struct Impact {
+  mjtNum impulse;   // P_k [N s]; 0: the contact takes no part
+  mjtNum alpha;     // P_k over the impulse of the reference waveform [-]
+  mjtNum onset;     // [s]
+  mjtNum duration;  // W [s]
+  mjtNum moment;    // ∫ t F dt [N s²], if the law knows it better than the waveform
+  bool at_once;     // the impact is over within a step: deliver it whole, by its moment
+};
+
+struct ImpactTime {
+  mjtNum tau;       // when the first contact of the island closes, from the start of the step [s]
+  mjtNum timestep;  // h [s]
+  int first;        // which contact of the island that is
+};
+
+// `velocity` is what the bodies have at τ when all pulses under way have been delivered (nv).
+// `impacts` has room for system.size.
+void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
+                   const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
+                   Impact* impacts, Scratch& scratch);
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_RESOLVE_H_

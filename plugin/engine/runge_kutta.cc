@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/runge_kutta.h"
+
+namespace mujoco_impact::engine {
+
+namespace {
+
+// A number that two different stages do not share: weighted sum of position and velocity.
+mjtNum Fingerprint(const mjModel* m, const mjData* d) {
+  mjtNum sum = 0;
+  for (int i = 0; i < m->nq; ++i) sum += (i + 1) * d->qpos[i];
+  for (int i = 0; i < m->nv; ++i) sum -= (i + 1) * d->qvel[i];
+  return sum;
+}
+
+}  // namespace
+
+bool IsLaterStage(const mjModel* m, const mjData* d, const State& state) {
+  const Header& header = state.header();
+  if (m->opt.integrator != mjINT_RK4 || header.stage_open == 0) return false;
+  const mjtNum h = m->opt.timestep;
+  const bool later = d->time == header.stage_time + 0.5 * h || d->time == header.stage_time + h;
+  return later && Fingerprint(m, d) != header.stage_fingerprint;
+}
+
+void OpenStage(const mjModel* m, const mjData* d, State& state) {
+  if (m->opt.integrator != mjINT_RK4) return;
+  Header& header = state.header();
+  header.stage_open = 1;
+  header.stage_time = d->time;
+  header.stage_fingerprint = Fingerprint(m, d);
+  header.later_stages = 0;
+}
+
+void ApplyHeldForce(const mjModel* m, mjData* d, State& state) {
+  state.header().later_stages = 1;
+  if (state.header().pending != 0) mju_addTo(d->qfrc_passive, state.held_force(), m->nv);
+}
+
+}  // namespace mujoco_impact::engine

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sensor of an instance: what the impacts do to each owned geom.
+//
+// Per owned geom, in the order of the tuple: force on it in the world frame, averaged over the step
+// (3) [N]; impulse of its current or last impact [N s]; peak force H of that [N]; α [-]; impacts
+// since reset. Room is left for all tuples of the model (ownership.h); what is beyond the owned geoms
+// is zero. MuJoCo's own force, touch and contact sensors do not see these contacts.
+
+#ifndef MUJOCO_IMPACT_ENGINE_SENSOR_H_
+#define MUJOCO_IMPACT_ENGINE_SENSOR_H_
+
+#include <mujoco/mujoco.h>
+
+namespace mujoco_impact::engine {
+
+constexpr int kNumbersPerGeom = 7;
+
+// Writes the output of every sensor of the instance.
+void ComputeSensors(const mjModel* m, mjData* d, int instance);
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_SENSOR_H_

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/slots.h"
+
+#include "engine/ownership.h"
+#include "law/waveform.h"
+
+namespace mujoco_impact::engine {
+
+namespace {
+
+bool IsFree(const Pulse& pulse) {
+  return pulse.serial == 0 || (pulse.serial > 0 && pulse.delivered >= 1);
+}
+
+void RecordImpact(const Ownership& ownership, const Pulse& pulse, State& state) {
+  for (const double geom : pulse.geom) {
+    const int index = ownership.Index(static_cast<int>(geom));
+    if (index < 0) continue;
+    GeomRecord& record = state.record(index);
+    record.impulse = pulse.impulse;
+    record.peak = law::WaveformHeight(pulse.impulse, pulse.duration);
+    record.alpha = pulse.alpha;
+    record.count += 1;
+  }
+}
+
+}  // namespace
+
+void DiscardPending(State& state) {
+  if (state.header().pending == 0) return;
+  state.header().pending = 0;
+  state.header().pending_pulses = 0;
+  for (int i = 0; i < state.slots(); ++i) {
+    Pulse& pulse = state.pulse(i);
+    pulse.delivered_next = pulse.delivered;
+    if (pulse.serial < 0) pulse = Pulse{};
+  }
+}
+
+Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact,
+                const Config& config, const State& state) {
+  Pulse pulse{};
+  pulse.onset = state.header().clock + impact.onset;
+  pulse.impulse = impact.impulse;
+  pulse.alpha = impact.alpha;
+  pulse.duration = impact.duration;
+  pulse.restitution = config.waveform_restitution;
+  mju_copy3(pulse.normal, row.normal);
+  for (int side = 0; side < 2; ++side) {
+    const BodyPoint& point = row.path.side(side);
+    mjtNum offset[3];
+    mju_sub3(offset, point.position, d->xpos + 3 * point.body);
+    mju_mulMatTVec3(pulse.point[side], d->xmat + 9 * point.body, offset);
+    pulse.geom[side] = row.contact->geom[side];
+  }
+  return pulse;
+}
+
+bool AddPending(State& state, const Pulse& pulse, mjtNum delivered_next) {
+  Header& header = state.header();
+  header.pending_pulses += 1;
+  const double serial = header.count + header.pending_pulses;
+  const int slots = state.slots();
+  // oldest first: pulses fill the slots in turn, those under way keep theirs
+  for (int i = 0; i < slots; ++i) {
+    const auto at = static_cast<long long>(serial - 1) + i;
+    Pulse& slot = state.pulse(static_cast<int>(at % slots));
+    if (!IsFree(slot)) continue;
+    slot = pulse;
+    slot.serial = -serial;
+    slot.delivered = 0;
+    slot.delivered_next = delivered_next;
+    return true;
+  }
+  return false;
+}
+
+void CommitPulses(const mjModel* m, State& state, int instance) {
+  Header& header = state.header();
+  const Ownership ownership(m, instance);
+  header.active = 0;
+  for (int i = 0; i < state.slots(); ++i) {
+    Pulse& pulse = state.pulse(i);
+    if (pulse.serial < 0) {
+      pulse.serial = -pulse.serial;
+      RecordImpact(ownership, pulse, state);
+    }
+    pulse.delivered = pulse.delivered_next;
+    if (pulse.serial > 0 && pulse.delivered < 1) header.active += 1;
+  }
+  header.count += header.pending_pulses;
+  header.pending_pulses = 0;
+}
+
+}  // namespace mujoco_impact::engine

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Slots of pulses in the state: taken by `compute` as pending, made real by `advance`.
+
+#ifndef MUJOCO_IMPACT_ENGINE_SLOTS_H_
+#define MUJOCO_IMPACT_ENGINE_SLOTS_H_
+
+#include <mujoco/mujoco.h>
+
+#include "engine/config.h"
+#include "engine/island_system.h"
+#include "engine/resolve.h"
+#include "engine/state.h"
+
+namespace mujoco_impact::engine {
+
+// Forgets what an earlier compute of the same step left pending.
+void DiscardPending(State& state);
+
+// The pulse of an impact, not yet in a slot.
+Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact,
+                const Config& config, const State& state);
+
+// Puts the pulse into a slot that is not under way, as pending. False if there is none.
+bool AddPending(State& state, const Pulse& pulse, mjtNum delivered_next);
+
+// Commits the pending pulses and the parts delivered.
+void CommitPulses(const mjModel* m, State& state, int instance);
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_SLOTS_H_

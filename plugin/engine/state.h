@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// The layout of an instance's plugin_state: everything that evolves, and nothing else.
+//
+//   header | per owned geom: impulse, peak, alpha, count | pulse slots | position correction (nv)
+//          | held force (nv)
+//
+// It describes itself (the header holds the sizes), so that Python finds the pulses in it.
+// `compute` writes only what it has pending: slots with a negative serial, `delivered_next` of the
+// others, the correction, the held force. `advance` commits that. A repeated `compute` overwrites it.
+// Times are on the state's own clock, the seconds stepped since reset: a state restored without
+// its mjData.time goes on all the same.
+
+#ifndef MUJOCO_IMPACT_ENGINE_STATE_H_
+#define MUJOCO_IMPACT_ENGINE_STATE_H_
+
+#include <mujoco/mujoco.h>
+
+namespace mujoco_impact::engine {
+
+static_assert(sizeof(mjtNum) == sizeof(double), "mujoco_impact needs a MuJoCo of double precision");
+
+// A pulse under way or, once delivered, the record of it until its slot is needed again.
+struct Pulse {
+  double serial;        // order of the pulse, from 1; 0: never used; negative: pending
+  double geom[2];       // ids; the normal points from the first to the second
+  double onset;         // on the clock [s]
+  double impulse;       // P_k [N s]
+  double alpha;         // P_k over the impulse of the waveform [-]
+  double duration;      // W [s]
+  double restitution;   // E of the waveform [-]
+  double delivered;     // part of the impulse delivered by the start of the step [-]
+  double delivered_next;  // and by its end; committed by advance
+  double point[2][3];   // where the force acts, in the frames of the two bodies [m]
+  double normal[3];     // world frame; for spheres the line of centres replaces it
+};
+
+// What the sensor reports of the last impact of a geom.
+struct GeomRecord {
+  double impulse;  // [N s]
+  double peak;     // H [N]
+  double alpha;    // [-]
+  double count;    // impacts since reset
+};
+
+struct Header {
+  double version;
+  double count;        // pulses begun since reset
+  double slot_offset;  // of the first slot, in numbers
+  double slot_size;
+  double slot_number;
+  double clock;    // seconds stepped since reset
+  double active;   // pulses not yet delivered
+  double pending;  // 1: compute has something for advance to commit
+  double touch;    // the attribute, for the scan that every step pays [m]
+  double capacity;  // bound of the geoms owned, for which there is room
+  double pending_pulses;  // of them, new pulses
+  // Runge-Kutta: the forces of its first stage are held for the other three
+  double stage_open;         // 1: a first stage has been computed since the last advance
+  double stage_time;         // mjData.time of it
+  double stage_fingerprint;  // of its position and velocity
+  double later_stages;       // 1: a later stage was seen, so the step is a Runge-Kutta step
+};
+
+class State {
+ public:
+  // Numbers that an instance owning up to `capacity` geoms needs, with nv degrees of freedom.
+  static int Size(int capacity, int nv);
+
+  // Sets every number of the state of `instance`.
+  static void Reset(const mjModel* m, mjtNum* plugin_state, int instance);
+
+  // Binds to the state in `d`; one that was not written by Reset is reset first.
+  State(const mjModel* m, mjData* d, int instance);
+
+  Header& header() { return *header_; }
+  const Header& header() const { return *header_; }
+  int capacity() const { return static_cast<int>(header_->capacity); }
+  int slots() const { return static_cast<int>(header_->slot_number); }
+  GeomRecord& record(int index) { return records_[index]; }
+  Pulse& pulse(int slot) { return pulses_[slot]; }
+  const Pulse& pulse(int slot) const { return pulses_[slot]; }
+  mjtNum* correction() { return correction_; }
+  mjtNum* held_force() { return held_force_; }
+
+ private:
+  State(mjtNum* numbers, int capacity, int nv);
+
+  Header* header_;
+  GeomRecord* records_;
+  Pulse* pulses_;
+  mjtNum* correction_;  // Δq that advance adds to the position (nv)
+  mjtNum* held_force_;  // generalized force of the first Runge-Kutta stage (nv)
+};
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_STATE_H_

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "law/impact_law.h"
+
+#include <algorithm>
+
+#include "law/compression.h"
+#include "law/hertz_contact.h"
+#include "law/passivity.h"
+#include "law/viscous.h"
+
+namespace mujoco_impact::law {
+
+namespace {
+
+ImpactReport SolveIsolated(const ImpactProblem& problem, ImpactSolution* solution) {
+  const double u = problem.closing_speed[0];
+  solution->impulse[0] = solution->moment[0] = solution->onset[0] = 0;
+  solution->closing_speed[0] = u;
+  if (u <= 0 || problem.gap[0] > u * problem.horizon) return {0, true};
+  const double mu = 1 / problem.delassus.diagonal[0];
+  const SingleImpact single =
+      SolveSingleImpact(mu, u, problem.stiffness[0], problem.restitution);
+  const double onset = problem.gap[0] / u;
+  solution->impulse[0] = single.impulse;
+  solution->moment[0] = single.moment + onset * single.impulse;
+  solution->onset[0] = onset;
+  solution->closing_speed[0] = -problem.restitution * u;
+  return {1, true};
+}
+
+void Scale(double factor, int n, double* x) {
+  for (int i = 0; i < n; ++i) x[i] *= factor;
+}
+
+}  // namespace
+
+SingleImpact SolveSingleImpact(double reduced_mass, double speed, double stiffness,
+                               double restitution) {
+  const double e = restitution;
+  const double y_max = MaximumCompression(stiffness, reduced_mass, speed);
+  SingleImpact single;
+  single.impulse = (1 + e) * reduced_mass * speed;
+  single.duration = (1 + e) / 2 * ContactTime(stiffness, reduced_mass, speed);
+  single.moment = single.duration * single.impulse -
+                  reduced_mass * (speed * single.duration - (1 - e * e) * y_max);
+  return single;
+}
+
+int ImpactWorkspace(int size) { return std::max(CompressionWorkspace(size), ViscousWorkspace(size)); }
+
+ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolution* solution,
+                         double* workspace) {
+  const int n = problem.delassus.size;
+  const bool viscous = problem.dissipation == Dissipation::kViscous && problem.restitution < 1;
+  if (n == 1 && !viscous) return SolveIsolated(problem, solution);
+  const ImpactReport report = viscous ? IntegrateViscous(problem, solution, workspace)
+                                      : IntegrateCompression(problem, solution, workspace);
+  if (!passive) return report;
+  const double s = ConservativeScale(problem.delassus, problem.closing_speed, solution->impulse,
+                                     workspace);
+  const double factor = problem.restitution == 1 && report.converged ? s : std::min(1.0, s);
+  if (s > 0) {
+    Scale(factor, n, solution->impulse);
+    Scale(factor, n, solution->moment);
+  }
+  return report;
+}
+
+}  // namespace mujoco_impact::law

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// The impact of one island of contacts, as a problem in contact space.
+//
+// Contact k has a closing speed c_k = −J_k v [m/s] (positive: approaching) and a virtual compression
+// y_k [m] (negative: minus the gap that is still open). With the Delassus matrix W = J M⁻¹ Jᵀ [1/kg]
+// and normal contact forces F_k ≥ 0 [N],
+//
+//   dc/dt = −W F          dy_k/dt = c_k  (the dissipation law may change the rate of expansion)
+//
+// and what the bodies feel is the impulse P_k = ∫ F_k dt [N s] and when it came, M_k = ∫ t F_k dt
+// [N s²]. Time t starts when the first contact of the island closes.
+//
+// Nothing here knows about bodies or MuJoCo: the engine builds the problem, a law solves it.
+
+#ifndef MUJOCO_IMPACT_LAW_IMPACT_PROBLEM_H_
+#define MUJOCO_IMPACT_LAW_IMPACT_PROBLEM_H_
+
+namespace mujoco_impact::law {
+
+// Delassus matrix W, symmetric positive semidefinite, in compressed rows with its diagonal.
+struct DelassusMatrix {
+  int size;
+  const int* row_start;  // (size + 1)
+  const int* column;     // (row_start[size])
+  const double* value;   // (row_start[size]) [1/kg]
+  const double* diagonal;  // (size) [1/kg], > 0
+};
+
+// How energy is lost in a contact.
+enum class Dissipation {
+  kBistiffness,  // expansion against the stiffness K/e²: energetic restitution, any speed
+  kViscous,      // Hunt-Crossley: F = K y^1.5 (1 + x c/c_ref), x such that a pair restitutes e
+};
+
+struct ImpactProblem {
+  DelassusMatrix delassus;
+  const double* closing_speed;  // (size) c_k(0) [m/s]
+  const double* gap;            // (size) [m] ≥ 0; 0 also for contacts that overlap
+  const double* stiffness;      // (size) K_k [N/m^1.5]
+  double restitution;           // e in [0, 1]
+  Dissipation dissipation;
+  double horizon;    // [s] a contact that would close later, all others open, is left alone
+  double tolerance;  // error allowed per step, relative to the speed and compression of the impact
+};
+
+// Arrays of `size`, owned by the caller.
+struct ImpactSolution {
+  double* impulse;        // P_k [N s] ≥ 0
+  double* moment;         // M_k [N s²]
+  double* onset;          // first time with force [s]
+  double* closing_speed;  // c_k after the impact [m/s], ≤ 0 up to the tolerance
+};
+
+struct ImpactReport {
+  int steps;       // accepted integration steps
+  bool converged;  // false: the step limit was reached before all contacts had opened
+};
+
+// y = W x
+inline void Multiply(const DelassusMatrix& W, const double* x, double* y) {
+  for (int i = 0; i < W.size; ++i) {
+    double sum = 0;
+    for (int a = W.row_start[i]; a < W.row_start[i + 1]; ++a) sum += W.value[a] * x[W.column[a]];
+    y[i] = sum;
+  }
+}
+
+}  // namespace mujoco_impact::law
+
+#endif  // MUJOCO_IMPACT_LAW_IMPACT_PROBLEM_H_

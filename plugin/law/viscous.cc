@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "law/viscous.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "law/impact_clock.h"
+
+namespace mujoco_impact::law {
+
+namespace {
+
+constexpr int kMaxSteps = 1000000;
+constexpr int kStages = 7;
+
+// Dormand-Prince 5(4): row i combines the slopes of the stages before it; the last row is the step.
+constexpr double kCombine[kStages][6] = {
+    {0, 0, 0, 0, 0, 0},
+    {1.0 / 5, 0, 0, 0, 0, 0},
+    {3.0 / 40, 9.0 / 40, 0, 0, 0, 0},
+    {44.0 / 45, -56.0 / 15, 32.0 / 9, 0, 0, 0},
+    {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729, 0, 0},
+    {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656, 0},
+    {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}};
+constexpr double kNode[kStages] = {0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1, 1};
+constexpr double kError[kStages] = {71.0 / 57600,      0,           -71.0 / 16695, 71.0 / 1920,
+                                    -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
+
+class Integrator {
+ public:
+  Integrator(const ImpactProblem& problem, ImpactSolution* solution, double* workspace);
+  ImpactReport Run();
+
+ private:
+  void EvaluateStage(const double* y, const double* c, int stage);
+  void CombineStages(double h, int stage);
+  double TryStep(double h);
+  void Accept(double h);
+
+  const ImpactProblem& problem_;
+  ImpactSolution& solution_;
+  const int n_;
+  const ImpactScale scale_;
+  const double damping_;  // x / c_ref [s/m]
+  double t_ = 0;
+  double *y_, *c_, *y_new_, *c_new_;
+  double *force_[kStages], *pull_[kStages], *speed_[kStages];  // F, W F, c at the stages
+};
+
+Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution, double* workspace)
+    : problem_(problem),
+      solution_(*solution),
+      n_(problem.delassus.size),
+      scale_(MeasureScale(problem)),
+      damping_(scale_.speed > 0 ? ViscousDamping(problem.restitution) / scale_.speed : 0) {
+  const auto take = [&workspace, this] {
+    double* array = workspace;
+    workspace += n_;
+    return array;
+  };
+  y_ = take();
+  c_ = take();
+  y_new_ = take();
+  c_new_ = take();
+  for (int i = 0; i < kStages; ++i) {
+    force_[i] = take();
+    pull_[i] = take();
+    speed_[i] = take();
+  }
+  for (int k = 0; k < n_; ++k) {
+    y_[k] = -problem.gap[k];
+    c_[k] = problem.closing_speed[k];
+    solution_.impulse[k] = solution_.moment[k] = 0;
+    solution_.onset[k] = 0;
+  }
+}
+
+// F_k = K_k y_k³ᐟ² (1 + x c_k/c_ref), never attracting.
+void Integrator::EvaluateStage(const double* y, const double* c, int stage) {
+  double* F = force_[stage];
+  for (int k = 0; k < n_; ++k) {
+    const double loss = std::max(0.0, 1 + damping_ * c[k]);
+    F[k] = y[k] > 0 ? problem_.stiffness[k] * y[k] * std::sqrt(y[k]) * loss : 0;
+    speed_[stage][k] = c[k];
+  }
+  Multiply(problem_.delassus, F, pull_[stage]);
+}
+
+void Integrator::CombineStages(double h, int stage) {
+  for (int k = 0; k < n_; ++k) {
+    double dy = 0, dc = 0;
+    for (int j = 0; j < stage; ++j) {
+      dy += kCombine[stage][j] * speed_[j][k];
+      dc -= kCombine[stage][j] * pull_[j][k];
+    }
+    y_new_[k] = y_[k] + h * dy;
+    c_new_[k] = c_[k] + h * dc;
+  }
+}
+
+// Advances into y_new, c_new and returns the error in units of the tolerance.
+double Integrator::TryStep(double h) {
+  for (int stage = 1; stage < kStages; ++stage) {
+    CombineStages(h, stage);
+    EvaluateStage(y_new_, c_new_, stage);
+  }
+  double error = 0;
+  for (int k = 0; k < n_; ++k) {
+    double dy = 0, dc = 0;
+    for (int j = 0; j < kStages; ++j) {
+      dy += kError[j] * speed_[j][k];
+      dc += kError[j] * pull_[j][k];
+    }
+    error = std::max({error, h * std::abs(dy) / scale_.compression, h * std::abs(dc) / scale_.speed});
+  }
+  return error / problem_.tolerance;
+}
+
+void Integrator::Accept(double h) {
+  for (int k = 0; k < n_; ++k) {
+    double dP = 0, dM = 0;
+    for (int j = 0; j < kStages - 1; ++j) {
+      const double weighted = kCombine[kStages - 1][j] * h * force_[j][k];
+      dP += weighted;
+      dM += weighted * (t_ + kNode[j] * h);
+    }
+    if (dP > 0) {
+      if (solution_.impulse[k] == 0) solution_.onset[k] = t_;
+      solution_.impulse[k] += dP;
+      solution_.moment[k] += dM;
+    }
+    y_[k] = y_new_[k];
+    c_[k] = c_new_[k];
+  }
+  std::swap(force_[0], force_[kStages - 1]);
+  std::swap(pull_[0], pull_[kStages - 1]);
+  std::swap(speed_[0], speed_[kStages - 1]);
+  t_ += h;
+}
+
+ImpactReport Integrator::Run() {
+  const double first_step = 0.05 * scale_.time;
+  double h = first_step;
+  ImpactReport report{0, true};
+  if (scale_.speed == 0) return report;
+  EvaluateStage(y_, c_, 0);
+  while (!ImpactIsOver(problem_, scale_, t_, y_, c_)) {
+    if (report.steps == kMaxSteps) {
+      report.converged = false;
+      break;
+    }
+    if (!AnyCompressed(n_, y_)) {
+      const double flight = FlyToNextClosing(problem_, t_, y_, c_);
+      if (flight < 0) break;
+      t_ += flight;
+      h = std::min(h, first_step);
+    }
+    const double error = TryStep(h);
+    if (error <= 1) {
+      Accept(h);
+      ++report.steps;
+    }
+    h *= std::clamp(0.9 * std::pow(error + 1e-10, -0.2), 0.2, 5.0);
+  }
+  std::copy(c_, c_ + n_, solution_.closing_speed);
+  return report;
+}
+
+}  // namespace
+
+double ViscousDamping(double restitution) {
+  const double e = restitution;
+  if (e >= 1) return 0;
+  // g(x) = x (1 + e) − ln((1 + x)/(1 − e x)) has its positive root in (0, 1/e); bisect, since g is
+  // positive near 0 and falls to −∞ at 1/e
+  double low = 1e-9, high = (1 - 1e-15) / e;
+  for (int i = 0; i < 100; ++i) {
+    const double x = 0.5 * (low + high);
+    const double g = x * (1 + e) - std::log1p(x) + std::log1p(-e * x);
+    (g > 0 ? low : high) = x;
+  }
+  return 0.5 * (low + high);
+}
+
+int ViscousWorkspace(int size) { return (4 + 3 * kStages) * size; }
+
+ImpactReport IntegrateViscous(const ImpactProblem& problem, ImpactSolution* solution,
+                              double* workspace) {
+  return Integrator(problem, solution, workspace).Run();
+}
+
+}  // namespace mujoco_impact::law

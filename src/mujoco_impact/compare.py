@@ -1,0 +1,384 @@
+"""One scene under our impacts, under MuJoCo's own contacts and in the Hertz reference.
+
+`compare` returns a `Comparison`; its `table()` has one dictionary per method.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mujoco_impact import metrics
+from mujoco_impact.baselines import Method, baselines
+from mujoco_impact.errors import ImpactError, SceneError, SimulationError
+from mujoco_impact.pendulums import PendulumRow, find_row
+from mujoco_impact.reference import ReferenceTrajectory, swing
+from mujoco_impact.runner import initial_data, load_model, run, step_count
+from mujoco_impact.scene import attach, detach
+from mujoco_impact.source import Source
+from mujoco_impact.timing import interleaved_times
+from mujoco_impact.trajectory import Array, Trajectory
+
+OURS = "mujoco-impact"
+"""Name of our own row in the table."""
+
+MOST_REFERENCE_BALLS = 12
+"""Longer rows are chaotic after the first wave, and their reference takes minutes."""
+
+_HALF_STEP_INTEGRATORS = ("Euler", "implicit", "implicitfast", "discrete")
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class MethodResult:
+    """What one method made of the scene.
+
+    Attributes:
+        name: Name of the method.
+        setting: What was set, in MJCF terms.
+        trajectory: The motion, sampled at the timestep of the scene; None if the
+            simulation failed.
+        failure: Why it failed, else empty.
+        run_time: Wall-clock time of a simulated second [s], median; nan if it failed.
+        cost: Run time over that of the scene with its own contacts, median of pairs.
+        first_velocities: Velocities the first impact leaves, over its speed, in the
+            order of the row; None if there is no reference.
+        errors: Differences from the Hertz reference; None if there is none.
+        energy_drift: Change of energy over the run; for a row in fractions of the
+            energy at the start, else of the largest kinetic energy.
+    """
+
+    name: str
+    setting: str
+    trajectory: Trajectory | None
+    failure: str = ""
+    run_time: float = math.nan
+    cost: float = math.nan
+    first_velocities: tuple[float, ...] | None = None
+    errors: metrics.RowErrors | None = None
+    energy_drift: float = math.nan
+
+    def row(self) -> dict[str, Any]:
+        """Returns the numbers of this method for a table; None where there is none."""
+        errors = self.errors
+        return {
+            "method": self.name,
+            "setting": self.setting,
+            "run_time": _number(self.run_time),
+            "cost": _number(self.cost),
+            "velocity_error": errors and _number(errors.velocity),
+            "angle_rms": errors and _number(errors.angle_rms),
+            "velocity_rms": errors and _number(errors.velocity_rms),
+            "energy_drift": _number(self.energy_drift),
+            "impacts": self._impacts(),
+            "failure": self.failure,
+        }
+
+    def _impacts(self) -> int | None:
+        """Returns the number of impacts; MuJoCo's own contacts do not count theirs."""
+        if self.trajectory is None or self.name != OURS:
+            return None
+        return len(self.trajectory.impacts)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Comparison:
+    """The outcome of `compare`.
+
+    Attributes:
+        scene: Name of the model.
+        duration: Simulated time [s].
+        timestep: Timestep of the scene [s].
+        integrator: Integrator of the scene.
+        mujoco_version: Version of MuJoCo.
+        impact_speed: Closing speed of the first impact, v0 [m/s].
+        methods: Our result, the scene as it is, and the tuned settings.
+        row: The row of pendulums that the scene is, or None.
+        reference: The Hertz reference of the row, or None.
+        reference_velocities: Velocities the first impact of the reference leaves.
+        note: Why there is no reference, else empty.
+    """
+
+    scene: str
+    duration: float
+    timestep: float
+    integrator: str
+    mujoco_version: str
+    impact_speed: float
+    methods: tuple[MethodResult, ...]
+    row: PendulumRow | None = None
+    reference: ReferenceTrajectory | None = None
+    reference_velocities: tuple[float, ...] | None = None
+    note: str = ""
+
+    def table(self) -> list[dict[str, Any]]:
+        """Returns one dictionary of numbers per method, in order."""
+        return [method.row() for method in self.methods]
+
+    def method(self, name: str) -> MethodResult:
+        """Returns the result of one method; KeyError if there is none."""
+        for method in self.methods:
+            if method.name == name:
+                return method
+        raise KeyError(name)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns everything but the trajectories as plain numbers and text."""
+        return {
+            "scene": self.scene,
+            "duration": self.duration,
+            "timestep": self.timestep,
+            "integrator": self.integrator,
+            "mujoco_version": self.mujoco_version,
+            "impact_speed": self.impact_speed,
+            "reference_velocities": _list(self.reference_velocities),
+            "note": self.note,
+            "methods": [
+                {**method.row(), "first_velocities": _list(method.first_velocities)}
+                for method in self.methods
+            ],
+        }
+
+
+def compare(
+    source: Source,
+    *,
+    duration: float,
+    keyframe: str | int | None = None,
+    qpos: npt.ArrayLike | None = None,
+    qvel: npt.ArrayLike | None = None,
+    geoms: Iterable[str] | None = None,
+    gap: float | None = None,
+    depth: float | None = None,
+    repeats: int = 5,
+    progress: Callable[[str], None] | None = None,
+    **settings: Any,
+) -> Comparison:
+    """Runs one scene under our impacts and under MuJoCo's own contacts.
+
+    MuJoCo runs the scene as it is, and with the best settings known for touching balls
+    (see `mujoco_impact.baselines`). If the scene is a row of pendulum balls without
+    losses, the Hertz reference tells how wrong each of them is.
+
+    Args:
+        source: Path of a model file, XML text, or a specification (not changed).
+        duration: Simulated time [s].
+        keyframe: Name or number of the keyframe to start from.
+        qpos: Initial positions, shape (nq,), instead of those of the keyframe.
+        qvel: Initial velocities, shape (nv,), instead of those of the keyframe.
+        geoms: See `attach`.
+        gap: See `attach`.
+        depth: See `attach`.
+        repeats: How often each method is timed, in turn with the others.
+        progress: Called with the name of each stage as it begins.
+        **settings: Settings of the impact law, see `attach`.
+
+    Raises:
+        SceneError: If the scene cannot take the plugin.
+        ConfigError: If a setting is not valid.
+        SimulationError: If our own run fails; a failure of MuJoCo's contacts is a
+            result.
+    """
+    report = progress or (lambda _: None)
+    report(OURS)
+    plain = detach(source)
+    attached = attach(plain, geoms=geoms, gap=gap, depth=depth, **settings)
+    start: dict[str, Any] = {"keyframe": keyframe, "qpos": qpos, "qvel": qvel}
+    ours = Method(OURS, _shown(settings), attached)
+    motion = run(attached, duration=duration, **start)
+    model = load_model(plain)
+    report("Hertz reference")
+    truth = _reference(model, motion, settings)
+    speed = truth.speed or _first_closing_speed(model, motion)
+    restitution = _number_setting(settings, "restitution", 1.0)
+    methods = (ours, *baselines(plain, impact_speed=speed, restitution=restitution))
+    results = []
+    for method in methods:
+        report(method.name)
+        known = motion if method is ours else None
+        results.append(_run_method(method, duration, start, truth, known))
+    report("run times")
+    timed = _with_run_times(methods, results, duration, start, repeats)
+    return Comparison(
+        scene=plain.modelname,
+        duration=duration,
+        timestep=motion.timestep,
+        integrator=motion.integrator,
+        mujoco_version=motion.mujoco_version,
+        impact_speed=speed,
+        methods=timed,
+        row=truth.row,
+        reference=truth.motion,
+        reference_velocities=truth.velocities,
+        note=truth.note,
+    )
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Truth:
+    """The Hertz reference of a scene, or why there is none."""
+
+    row: PendulumRow | None = None
+    motion: ReferenceTrajectory | None = None
+    velocities: tuple[float, ...] | None = None
+    speed: float = 0.0
+    note: str = ""
+
+
+def _reference(
+    model: mujoco.MjModel, motion: Trajectory, settings: dict[str, Any]
+) -> _Truth:
+    """Returns the Hertz reference from the initial state of a motion."""
+    row = find_row(
+        model,
+        young=_number_setting(settings, "young", 2e11),
+        poisson=_number_setting(settings, "poisson", 0.3),
+    )
+    if row is None:
+        return _Truth(note="no Hertz reference: not a row of pendulum balls")
+    if row.chain.count > MOST_REFERENCE_BALLS:
+        note = f"no Hertz reference: more than {MOST_REFERENCE_BALLS} balls"
+        return _Truth(row, note=note)
+    elastic = _number_setting(settings, "restitution", 1.0) == 1.0
+    if not elastic or settings.get("law", "hertz") != "hertz":
+        return _Truth(row, note="no Hertz reference: it is elastic, the law is not")
+    angles, velocities = row.angles(motion.qpos[0]), row.angles(motion.qvel[0])
+    try:
+        reference = swing(row.chain, angles, velocities, float(motion.time[-1]))
+        time = motion.time
+        left = metrics.velocity_after_first_impact(time, *reference(time), row.chain)
+    except ImpactError as error:
+        return _Truth(row, note=f"no Hertz reference: {error}")
+    onset = reference.contact_intervals[:1, 0]
+    speed = float(np.abs(reference(onset)[1]).max()) * row.chain.length
+    return _Truth(row, reference, tuple(left.tolist()), speed)
+
+
+def _run_method(
+    method: Method,
+    duration: float,
+    start: dict[str, Any],
+    truth: _Truth,
+    known: Trajectory | None,
+) -> MethodResult:
+    """Runs one method, unless its motion is known, and measures its errors."""
+    try:
+        motion = known or run(
+            method.spec, duration=duration, every=method.every, **start
+        )
+    except SimulationError as error:
+        return MethodResult(method.name, method.setting, None, failure=str(error))
+    result = MethodResult(
+        method.name, method.setting, motion, energy_drift=_energy_drift(motion)
+    )
+    if truth.row is None:
+        return result
+    samples = row_samples(truth.row, motion)
+    drift = metrics.energy_drift(samples[1], samples[2], truth.row.chain)
+    result = dataclasses.replace(result, energy_drift=drift)
+    if truth.motion is None:
+        return result
+    left = metrics.velocity_after_first_impact(*samples, truth.row.chain)
+    return dataclasses.replace(
+        result,
+        first_velocities=tuple(left.tolist()),
+        errors=metrics.row_errors(*samples, truth.motion),
+    )
+
+
+def row_samples(row: PendulumRow, motion: Trajectory) -> tuple[Array, Array, Array]:
+    """Returns times, angles and velocities of a row, as exact as they can be read.
+
+    MuJoCo's semi-implicit steps shift the motion of a row that starts at rest by half
+    a step; that is no error of the impacts and is taken out.
+    """
+    angles, velocities = row.angles(motion.qpos), row.angles(motion.qvel)
+    if motion.integrator not in _HALF_STEP_INTEGRATORS or velocities[0].any():
+        return motion.time, angles, velocities
+    return metrics.euler_half_step(
+        motion.time, angles, velocities, row.chain, timestep=motion.timestep
+    )
+
+
+def _with_run_times(
+    methods: Sequence[Method],
+    results: Sequence[MethodResult],
+    duration: float,
+    start: dict[str, Any],
+    repeats: int,
+) -> tuple[MethodResult, ...]:
+    """Adds run times to the results of the methods that did not fail."""
+    alive = [index for index, result in enumerate(results) if not result.failure]
+    models = [load_model(methods[index].spec) for index in alive]
+    starts = [initial_data(model, **start) for model in models]
+    steps = [step_count(model, duration) for model in models]
+    times = interleaved_times(models, starts, steps, repeats=repeats) / duration
+    # the second method is the scene as it is
+    base = times[:, alive.index(1)] if 1 in alive else np.full(len(times), np.nan)
+    timed = list(results)
+    for column, index in enumerate(alive):
+        timed[index] = dataclasses.replace(
+            results[index],
+            run_time=float(np.median(times[:, column])),
+            cost=float(np.median(times[:, column] / base)),
+        )
+    return tuple(timed)
+
+
+def _energy_drift(motion: Trajectory) -> float:
+    """Returns the change of energy over a run, over the largest kinetic energy."""
+    largest = float(motion.energy[:, 1].max())
+    total = motion.total_energy
+    return float(total[-1] - total[0]) / largest if largest > 0 else math.nan
+
+
+def _first_closing_speed(model: mujoco.MjModel, motion: Trajectory) -> float:
+    """Returns the relative speed of the geoms of the first impact, before it [m/s]."""
+    if not motion.impacts:
+        msg = (
+            f"there is no impact within {motion.time[-1]:g} s, so there is nothing to "
+            "compare: run longer, or start from another state (keyframe)"
+        )
+        raise SceneError(msg)
+    first = motion.impacts[0]
+    sample = max(0, int(np.searchsorted(motion.time, first.time)) - 1)
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:] = motion.qpos[sample], motion.qvel[sample]
+    mujoco.mj_forward(model, data)
+    velocities = np.zeros((2, 6))
+    for name, velocity in zip(first.geoms, velocities, strict=True):
+        geom = _geom_number(model, name)
+        kind = mujoco.mjtObj.mjOBJ_GEOM
+        mujoco.mj_objectVelocity(model, data, kind, geom, velocity, 0)
+    return float(np.linalg.norm(velocities[1, 3:] - velocities[0, 3:]))
+
+
+def _geom_number(model: mujoco.MjModel, name: str) -> int:
+    """Returns the id of a geom as `Impact` calls it."""
+    number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, name)
+    return number if number >= 0 else int(name.rpartition(" ")[2])
+
+
+def _number_setting(settings: dict[str, Any], name: str, usual: float) -> float:
+    """Returns a setting that is one number; `attach` has checked that it is."""
+    return float(settings.get(name, usual))
+
+
+def _shown(settings: dict[str, Any]) -> str:
+    """Returns the settings as they are called."""
+    return ", ".join(f"{key}={value}" for key, value in settings.items()) or "defaults"
+
+
+def _number(value: float) -> float | None:
+    """Returns a number, or None for nan and inf, which JSON does not know."""
+    return float(value) if math.isfinite(value) else None
+
+
+def _list(values: tuple[float, ...] | None) -> list[float] | None:
+    """Returns a tuple as a list, for JSON."""
+    return None if values is None else list(values)

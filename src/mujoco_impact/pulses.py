@@ -1,0 +1,127 @@
+"""Reading the impacts of the engine plugin out of `plugin_state`.
+
+Layout of the state of one instance, from `model.plugin_stateadr[instance]` on:
+a header (layout version, number of pulses begun since reset, offset of the slot
+table, numbers per slot, number of slots), then the slots. A slot holds the serial
+number of its pulse (0: never used), the two geoms, the time since onset [s], the
+normal impulse [N s], alpha, the duration [s] and the restitution; the rest of it is
+private to the plugin. A finished pulse stays in its slot until that is needed again.
+"""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+
+from mujoco_impact._plugin import PLUGIN_NAME
+from mujoco_impact.errors import PluginError
+from mujoco_impact.trajectory import Array, Impact
+
+LAYOUT_VERSION = 1.0
+
+_COUNT, _TABLE, _SLOT_SIZE, _SLOTS = 1, 2, 3, 4
+_SERIAL, _GEOM1, _GEOM2, _ELAPSED, _IMPULSE, _ALPHA, _DURATION, _RESTITUTION = range(8)
+
+_PROBE = f"""
+<mujoco>
+  <extension>
+    <plugin plugin="{PLUGIN_NAME}"><instance name="probe"/></plugin>
+  </extension>
+  <worldbody>
+    <body><freejoint/><geom size="0.01" margin="-0.001" gap="0.002"/></body>
+  </worldbody>
+</mujoco>
+"""
+
+
+class PulseReader:
+    """Collects the impacts of every plugin instance of one running simulation."""
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Starts after the pulses that `data` already holds.
+
+        Raises:
+            PluginError: If the state is not laid out as this package expects.
+        """
+        self._model = model
+        self._data = data
+        self.missed = 0
+        self.impacts: list[Impact] = []
+        self._states = [
+            _instance_state(model, data, instance)
+            for instance in plugin_instances(model)
+        ]
+        self._seen = [int(state[_COUNT]) for state in self._states]
+
+    def poll(self) -> None:
+        """Takes over the impacts that began since the last call.
+
+        Call it after every step: a slot may be reused by a later pulse.
+        """
+        for index, state in enumerate(self._states):
+            if state[_COUNT] != self._seen[index]:
+                self._collect(index, state)
+
+    def _collect(self, index: int, state: Array) -> None:
+        """Records the new pulses of one instance."""
+        seen, count = self._seen[index], int(state[_COUNT])
+        slots = _slots(state)
+        new = slots[slots[:, _SERIAL] > seen]
+        new = new[np.argsort(new[:, _SERIAL])]
+        self.impacts.extend(self._impact(slot) for slot in new)
+        self.missed += count - seen - len(new)
+        self._seen[index] = count
+
+    def _impact(self, slot: Array) -> Impact:
+        """Returns the record of one slot."""
+        impulse, duration = float(slot[_IMPULSE]), float(slot[_DURATION])
+        return Impact(
+            time=self._data.time - float(slot[_ELAPSED]),
+            geoms=(
+                geom_name(self._model, int(slot[_GEOM1])),
+                geom_name(self._model, int(slot[_GEOM2])),
+            ),
+            impulse=impulse,
+            alpha=float(slot[_ALPHA]),
+            height=math.pi * impulse / (2.0 * duration) if duration else math.inf,
+            duration=duration,
+            restitution=float(slot[_RESTITUTION]),
+        )
+
+
+def plugin_instances(model: mujoco.MjModel) -> list[int]:
+    """Returns the ids of the instances of our plugin in a model."""
+    if model.nplugin == 0:
+        return []
+    # a model holds only the registration number of a plugin, not its name
+    number = mujoco.MjModel.from_xml_string(_PROBE).plugin[0]
+    return [int(instance) for instance in np.flatnonzero(model.plugin == number)]
+
+
+def geom_name(model: mujoco.MjModel, geom: int) -> str:
+    """Returns the name of a geom, or "geom ID" if it has none."""
+    return model.geom(geom).name or f"geom {geom}"
+
+
+def _instance_state(model: mujoco.MjModel, data: mujoco.MjData, instance: int) -> Array:
+    """Returns a live view of the state of one instance."""
+    start = int(model.plugin_stateadr[instance])
+    state: Array = data.plugin_state[
+        start : start + int(model.plugin_statenum[instance])
+    ]
+    if len(state) < _SLOTS + 1 or state[0] != LAYOUT_VERSION:
+        found = state[0] if len(state) else "no state"
+        msg = (
+            f"the plugin library keeps its state in layout {found}, this package reads "
+            f"layout {LAYOUT_VERSION}: library and package are of different versions"
+        )
+        raise PluginError(msg)
+    return state
+
+
+def _slots(state: Array) -> Array:
+    """Returns the slot table, shape (n_slots, numbers per slot)."""
+    table, size, count = (int(state[i]) for i in (_TABLE, _SLOT_SIZE, _SLOTS))
+    return state[table : table + size * count].reshape(count, size)

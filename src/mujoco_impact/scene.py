@@ -1,0 +1,289 @@
+"""Giving the impacts of a scene to the plugin, and taking them back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+
+import mujoco
+
+from mujoco_impact._plugin import PLUGIN_NAME
+from mujoco_impact.errors import ConfigError, SceneError
+from mujoco_impact.ownership import (
+    default_gap,
+    round_up,
+    select_geoms,
+    set_margins,
+    smallest_size,
+)
+from mujoco_impact.settings import Setting, attributes
+from mujoco_impact.source import Source, compile_spec, read_spec
+
+SHORT_PULSE_DEPTH = 0.01
+"""Default depth over half-width when pulses last no longer than a Hertz contact."""
+
+LONG_PULSE_DEPTH = 0.5
+"""Default depth over half-width when pulses last longer: balls overlap meanwhile."""
+
+
+def attach(
+    source: Source,
+    *,
+    geoms: Iterable[str] | None = None,
+    name: str = "impact",
+    gap: float | None = None,
+    depth: float | None = None,
+    **settings: Setting,
+) -> mujoco.MjSpec:
+    """Returns a copy of a scene whose impacts are computed by the plugin.
+
+    Adds a plugin instance with its settings, a `<tuple>` of the owned geoms and a
+    sensor (all three called `name`), and gives the owned geoms a negative margin, so
+    that MuJoCo detects their contacts and leaves them out of its solver.
+
+    Args:
+        source: Path of a model file, XML text, or a specification (not changed).
+        geoms: Names of the geoms to own; by default every geom that can collide of
+            every body that can move. The order matters to the setting `alpha` and
+            to the sensor.
+        name: Name of the plugin instance, the tuple and the sensor.
+        gap: How early a contact of an owned geom is seen [m]. It must exceed closing
+            speed times timestep. Default: what a body that fell through the
+            whole scene travels in one step, and not less than a quarter of the width
+            of the smallest owned geom. Doubles between two owned geoms.
+        depth: Overlap at which MuJoCo's own contact takes over [m]: a resting geom
+            sinks that deep. Default: 1 % of half of the width of the smallest owned
+            geom, 50 % if `duration` is longer than a Hertz contact, because
+            bodies overlap during a long pulse. Doubles between two owned geoms.
+        **settings: Settings of the impact law, see `mujoco_impact.settings.SETTINGS`;
+            for example `restitution=0.9`, `young=210e9`, `duration="paper"`.
+
+    Returns:
+        A specification that compiles; `spec.compile()` gives the model.
+
+    Raises:
+        SceneError: If the scene cannot be read, or cannot take the plugin.
+        ConfigError: If a setting, the gap or the depth is not valid.
+        PluginError: If the plugin library cannot be loaded.
+    """
+    config = attributes(settings)
+    for label, length in (("gap", gap), ("depth", depth)):
+        _check_length(label, length)
+    spec = read_spec(source)
+    _check_options(spec)
+    _check_name(spec, name)
+    owned = select_geoms(spec, geoms)
+    _check_owned(spec, owned)
+    _add_instance(spec, name, owned, config)
+    # lengths of the scene are known once it is compiled, with any valid margin
+    set_margins(spec, owned, gap=1.0, depth=1.0)
+    model = _compile_with_plugin(spec.copy(), config)
+    set_margins(
+        spec,
+        owned,
+        gap=default_gap(model, owned) if gap is None else gap,
+        depth=_default_depth(model, owned, config) if depth is None else depth,
+    )
+    return spec
+
+
+def detach(source: Source) -> mujoco.MjSpec:
+    """Returns a copy of a scene without the plugin: MuJoCo's own contacts.
+
+    Every instance of the plugin goes, with its tuple and its sensors, and the geoms
+    and pairs it owned get margin 0 and gap 0, MuJoCo's defaults.
+
+    Args:
+        source: Path of a model file, XML text, or a specification (not changed).
+
+    Raises:
+        SceneError: If the scene cannot be read.
+    """
+    spec = read_spec(source)
+    owned = owned_geoms(spec)
+    for sensor in spec.sensors:
+        if sensor.plugin.active and sensor.plugin.plugin_name == PLUGIN_NAME:
+            spec.delete(sensor)
+    for element in spec.tuples:
+        if element.name in owned:
+            spec.delete(element)
+    for plugin in spec.plugins:
+        if plugin.plugin_name == PLUGIN_NAME:
+            spec.delete(plugin)
+    everything = {geom.name for geom in spec.geoms}
+    _clear_margins(
+        spec,
+        {
+            geom
+            for names in owned.values()
+            for geom in (everything if names is None else names)
+        },
+    )
+    return spec
+
+
+def owned_geoms(spec: mujoco.MjSpec) -> dict[str, tuple[str, ...] | None]:
+    """Returns the geoms of each plugin instance of a scene.
+
+    Returns:
+        Names of the owned geoms by instance name; None for an instance without a
+        tuple, which owns every geom.
+    """
+    tuples = {element.name: tuple(element.objname) for element in spec.tuples}
+    return {
+        plugin.name: tuples.get(plugin.name)
+        for plugin in spec.plugins
+        if plugin.plugin_name == PLUGIN_NAME
+    }
+
+
+def _add_instance(
+    spec: mujoco.MjSpec, name: str, owned: Sequence[str], config: Mapping[str, str]
+) -> None:
+    """Adds the plugin instance, the tuple of its geoms and its sensor."""
+    spec.activate_plugin(PLUGIN_NAME)
+    instance = spec.add_plugin(name=name, plugin_name=PLUGIN_NAME, active=True)
+    instance.config = dict(config)
+    spec.add_tuple(
+        name=name,
+        objtype=[mujoco.mjtObj.mjOBJ_GEOM] * len(owned),
+        objname=list(owned),
+        objprm=[1.0] * len(owned),
+    )
+    # the sensor also keeps the instance alive when models are attached to each other
+    sensor = spec.add_sensor(name=name, type=mujoco.mjtSensor.mjSENS_PLUGIN)
+    sensor.plugin.active = True
+    sensor.plugin.name = name
+    sensor.plugin.plugin_name = PLUGIN_NAME
+
+
+def _compile_with_plugin(
+    spec: mujoco.MjSpec, config: Mapping[str, str]
+) -> mujoco.MjModel:
+    """Compiles the scene; blames the settings if the plugin refuses them."""
+    try:
+        return compile_spec(spec)
+    except SceneError as error:
+        # MuJoCo quotes the warning of the plugin, twice
+        _, plugin, reason = str(error).partition(f"{PLUGIN_NAME}: ")
+        if not plugin:
+            raise
+        reason = reason.partition(PLUGIN_NAME)[0].strip()
+        shown = ", ".join(f"{key}={value}" for key, value in config.items())
+        msg = f"the plugin refuses {shown or 'its default settings'}: {reason}"
+        raise ConfigError(msg) from error
+
+
+def _default_depth(
+    model: mujoco.MjModel, owned: Sequence[str], config: Mapping[str, str]
+) -> float:
+    """Returns the overlap at which MuJoCo's own contact takes over [m]."""
+    usual = "paper" if config.get("law") == "calibrated" else "hertz"
+    short = config.get("duration", usual) == "hertz"
+    fraction = SHORT_PULSE_DEPTH if short else LONG_PULSE_DEPTH
+    return round_up(fraction * smallest_size(model, owned))
+
+
+def _check_length(label: str, length: float | None) -> None:
+    """Raises ConfigError if a length is not positive and finite."""
+    if length is None:
+        return
+    if not (isinstance(length, int | float) and math.isfinite(length) and length > 0):
+        msg = f"{label} = {length!r}: must be a length > 0 [m]"
+        raise ConfigError(msg)
+
+
+def _check_options(spec: mujoco.MjSpec) -> None:
+    """Raises SceneError if global options switch our contacts off or to MuJoCo."""
+    disabled = mujoco.mjtDisableBit
+    flags = spec.option.disableflags
+    for bit, flag in (
+        (disabled.mjDSBL_CONTACT, "contact"),
+        (disabled.mjDSBL_CONSTRAINT, "constraint"),
+    ):
+        if flags & bit:
+            msg = f'the scene has <flag {flag}="disable"/>: MuJoCo finds no contacts'
+            raise SceneError(msg)
+    if flags & disabled.mjDSBL_SPRING and flags & disabled.mjDSBL_DAMPER:
+        msg = (
+            'the scene has <flag spring="disable" damper="disable"/>: MuJoCo then '
+            "calls no passive plugin, and the owned geoms would pass through each other"
+        )
+        raise SceneError(msg)
+    if spec.option.enableflags & mujoco.mjtEnableBit.mjENBL_OVERRIDE:
+        msg = (
+            'the scene has <flag override="enable"/>: it replaces the margins that '
+            "keep our contacts out of MuJoCo's solver"
+        )
+        raise SceneError(msg)
+
+
+def _check_name(spec: mujoco.MjSpec, name: str) -> None:
+    """Raises SceneError if the name is empty or in use."""
+    if not name:
+        msg = "name must not be empty: it is how the plugin finds its geoms"
+        raise SceneError(msg)
+    for kind, elements in (
+        ("plugin instance", spec.plugins),
+        ("tuple", spec.tuples),
+        ("sensor", spec.sensors),
+    ):
+        if any(element.name == name for element in elements):
+            msg = f"the scene already has a {kind} {name!r}: give another name="
+            raise SceneError(msg)
+
+
+def _check_owned(spec: mujoco.MjSpec, owned: Sequence[str]) -> None:
+    """Raises SceneError if geoms cannot be given to a further plugin instance."""
+    for instance, names in owned_geoms(spec).items():
+        shared = owned if names is None else sorted(set(owned) & set(names))
+        if shared:
+            msg = (
+                f"the plugin instance {instance!r} of the scene already owns "
+                f"{', '.join(shared)}"
+            )
+            raise SceneError(msg)
+    geoms = [geom for geom in spec.geoms if geom.name in set(owned)]
+    for geom in geoms:
+        if geom.adhesion:
+            msg = (
+                f"geom {geom.name!r} has adhesion {geom.adhesion}: MuJoCo then "
+                "solves its contacts itself; set it to 0 or own other geoms"
+            )
+            raise SceneError(msg)
+    _check_pairs(spec, owned)
+    _check_flexes(spec, geoms)
+
+
+def _check_pairs(spec: mujoco.MjSpec, owned: Sequence[str]) -> None:
+    """Raises SceneError if an owned geom is in a pair with adhesion."""
+    for pair in spec.pairs:
+        if pair.adhesion and {pair.geomname1, pair.geomname2} & set(owned):
+            msg = (
+                f"the pair of {pair.geomname1!r} and {pair.geomname2!r} has adhesion "
+                f"{pair.adhesion}: MuJoCo then solves its contacts itself"
+            )
+            raise SceneError(msg)
+
+
+def _check_flexes(spec: mujoco.MjSpec, geoms: Sequence[mujoco.MjsGeom]) -> None:
+    """Raises SceneError if an owned geom can touch a flex, which has no geoms."""
+    for flex in spec.flexes:
+        for geom in geoms:
+            if geom.contype & flex.conaffinity or flex.contype & geom.conaffinity:
+                msg = (
+                    f"geom {geom.name!r} can touch the flex {flex.name!r}, which is "
+                    "not supported: separate them by contype and conaffinity, or own "
+                    "other geoms"
+                )
+                raise SceneError(msg)
+
+
+def _clear_margins(spec: mujoco.MjSpec, names: set[str]) -> None:
+    """Gives the named geoms and their pairs MuJoCo's default margin and gap, 0."""
+    for geom in spec.geoms:
+        if geom.name in names:
+            geom.margin = geom.gap = 0.0
+    for pair in spec.pairs:
+        if {pair.geomname1, pair.geomname2} & names:
+            pair.margin = pair.gap = 0.0

@@ -1,0 +1,81 @@
+"""The settings of the impact law: names, allowed values, text for MJCF."""
+
+from __future__ import annotations
+
+import difflib
+import numbers
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
+from typing import TypeAlias
+
+from mujoco_impact.errors import ConfigError
+
+Setting: TypeAlias = str | float | bool | Iterable[float]
+"""A value of one setting: text, a number, a flag or a list of numbers."""
+
+SETTINGS: Mapping[str, str] = MappingProxyType(
+    {
+        "law": "hertz | calibrated",
+        "restitution": "coefficient of restitution of every contact, 0 to 1",
+        "dissipation": "how energy is lost for e < 1: bistiffness | viscous",
+        "young": "Young's modulus of the balls [Pa], > 0",
+        "poisson": "Poisson's ratio, > -1 and <= 0.5",
+        "duration": "of the waveform: hertz | paper | a time [s] > 0",
+        "touch": "largest gap that counts as touching [m], >= 0",
+        "passive": "never create energy: true | false",
+        "alpha": "calibrated law: one factor per neighbouring pair of owned geoms",
+        "sh": "calibrated law: height factor S_h",
+        "sw": "calibrated law: duration factor S_w",
+        "w0": "calibrated law: duration at zero mass and speed [s]",
+        "kappa": "calibrated law: unit factor of the S_w term",
+        "e": "calibrated law: restitution of the waveform",
+    }
+)
+"""Name and meaning of each configuration attribute of the engine plugin."""
+
+
+def attributes(settings: Mapping[str, Setting]) -> dict[str, str]:
+    """Converts settings to the text attributes of the engine plugin.
+
+    Only names and types are checked here; ranges are checked by the plugin, which
+    is the single place that knows them.
+
+    Args:
+        settings: Values by name, see `SETTINGS`.
+
+    Returns:
+        Attribute text by name: numbers with all their digits, flags as
+        "true"/"false", sequences separated by spaces.
+
+    Raises:
+        ConfigError: If a name is unknown or a value has no text form.
+    """
+    return {key: _text(_known(key), value) for key, value in settings.items()}
+
+
+def _known(key: str) -> str:
+    """Returns the key, or raises ConfigError with the nearest known name."""
+    if key in SETTINGS:
+        return key
+    close = difflib.get_close_matches(key, SETTINGS, n=1)
+    hint = f"; did you mean {close[0]!r}?" if close else ""
+    msg = f"unknown setting {key!r}{hint} (available: {', '.join(SETTINGS)})"
+    raise ConfigError(msg)
+
+
+def _text(key: str, value: Setting) -> str:
+    """Returns the attribute text of one value."""
+    if isinstance(value, str):
+        return value
+    # bool is a number in Python: flags come first; numpy's bool has no base class
+    if isinstance(value, bool) or type(value).__name__ in ("bool_", "bool"):
+        return "true" if value else "false"
+    if isinstance(value, numbers.Real):
+        return repr(float(value))
+    if isinstance(value, Iterable):
+        return " ".join(_text(key, item) for item in value)
+    msg = (
+        f"setting {key!r} = {value!r} is neither text, a number, a flag nor a "
+        f"sequence of numbers ({key}: {SETTINGS[key]})"
+    )
+    raise ConfigError(msg)

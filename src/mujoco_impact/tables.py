@@ -1,0 +1,110 @@
+"""Tables for the terminal (needs rich).
+
+Print them on a console without markup: headings hold units in brackets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from rich.table import Table
+from rich.text import Text
+
+from mujoco_impact.compare import OURS, Comparison
+from mujoco_impact.doctor import Check
+from mujoco_impact.trajectory import Impact, Trajectory
+
+NOTHING = "-"
+"""What stands where there is no number."""
+
+
+def comparison_table(comparison: Comparison) -> Table:
+    """Returns errors and run times, one row per method."""
+    table = Table(title=f"{comparison.scene}, {comparison.duration:g} s", box=None)
+    for heading in (
+        "method",
+        "velocity\nerror [v0]",
+        "angle RMS\n[rad]",
+        "energy\ndrift",
+        "run time\n[ms per s]",
+        "run time\nratio",
+    ):
+        table.add_column(heading, justify="left" if heading == "method" else "right")
+    for row in comparison.table():
+        if row["failure"]:
+            table.add_row(row["method"], "failed", *[NOTHING] * 4)
+            continue
+        run_time = row["run_time"]
+        table.add_row(
+            row["method"],
+            number(row["velocity_error"]),
+            number(row["angle_rms"]),
+            number(row["energy_drift"]),
+            NOTHING if run_time is None else f"{run_time * 1e3:.2f}",
+            NOTHING if row["cost"] is None else f"{row['cost']:.2f}",
+            style="bold" if row["method"] == OURS else None,
+        )
+    return table
+
+
+def velocity_table(comparison: Comparison) -> Table:
+    """Returns the velocities that the first impact leaves, one row per method."""
+    truth = comparison.reference_velocities or ()
+    table = Table(title="velocities after the first impact / impact speed", box=None)
+    table.add_column("method")
+    for ball in range(1, len(truth) + 1):
+        table.add_column(f"ball {ball}", justify="right")
+    table.add_row("Hertz reference", *_signed(truth), style="bold")
+    for method in comparison.methods:
+        left = method.first_velocities
+        cells = [NOTHING] * len(truth) if left is None else _signed(left)
+        table.add_row(
+            method.name, *cells, style="bold" if method.name == OURS else None
+        )
+    return table
+
+
+def impact_table(impacts: Sequence[Impact], *, limit: int) -> Table:
+    """Returns the first impacts, one row each."""
+    table = Table(title=f"impacts: {len(impacts)}", box=None)
+    table.add_column("time [s]", justify="right")
+    table.add_column("geoms")
+    for heading in ("impulse [N s]", "alpha", "height [N]", "duration [ms]"):
+        table.add_column(heading, justify="right")
+    for impact in impacts[:limit]:
+        table.add_row(
+            f"{impact.time:.6f}",
+            " - ".join(impact.geoms),
+            f"{impact.impulse:.5g}",
+            f"{impact.alpha:.4f}",
+            f"{impact.height:.4g}",
+            f"{impact.duration * 1e3:.4g}",
+        )
+    return table
+
+
+def check_table(checks: Iterable[Check]) -> Table:
+    """Returns the outcome of the checks of an installation."""
+    table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
+    for check in checks:
+        mark = Text("ok", "green") if check.passed else Text("FAILED", "red")
+        table.add_row(mark, check.name, check.found)
+        if check.remedy:
+            table.add_row("", "remedy", check.remedy)
+    return table
+
+
+def energy_line(trajectory: Trajectory) -> str:
+    """Returns the energies at the start and at the end of a run in words."""
+    total = trajectory.total_energy
+    return f"energy {total[0]:.6g} J at the start, {total[-1]:.6g} J at the end"
+
+
+def number(value: float | None) -> str:
+    """Returns a number in three digits, or a dash."""
+    return NOTHING if value is None else f"{value:.2e}"
+
+
+def _signed(values: Iterable[float]) -> list[str]:
+    """Returns velocities with four decimals and no negative zeros."""
+    return [f"{value + 0.0 if abs(value) > 5e-5 else 0.0:.4f}" for value in values]
