@@ -111,6 +111,8 @@ def document(
         f'  <statistic extent="{number(round(extent, 3))}"/>',
         "  <visual>",
         '    <headlight ambient="0.3 0.3 0.3" diffuse="0.3 0.3 0.3"/>',
+        # Taut strings are drawn in the colour of active limits: not in red here.
+        '    <rgba constraint="0.35 0.35 0.38 1"/>',
         "  </visual>",
         "  <default>",
         '    <geom condim="1"/>',

@@ -42,21 +42,21 @@ struct NumberRule {
 };
 
 constexpr NumberRule kRestitutionRule{kRestitution, 1, 0, 1, true, true, "a number in [0, 1]"};
-constexpr NumberRule kYoungRule{kYoung, 2e11, 0, kInfinity, false, false,
-                                "a finite number > 0 [Pa]"};
+constexpr NumberRule kYoungRule{
+    kYoung, 2e11, 0, kInfinity, false, false, "a finite number > 0 [Pa]"};
 constexpr NumberRule kPoissonRule{kPoisson, 0.3, -1, 0.5, false, true, "a number in (-1, 0.5]"};
-constexpr NumberRule kTouchRule{kTouch, 1e-9, 0, kInfinity, true, false,
-                                "a finite number >= 0 [m]"};
-constexpr NumberRule kHeightRule{kHeight, 0, 0, kInfinity, false, false,
-                                 "a finite number > 0 [N s/(kg m)]"};
+constexpr NumberRule kTouchRule{
+    kTouch, 1e-9, 0, kInfinity, true, false, "a finite number >= 0 [m]"};
+constexpr NumberRule kHeightRule{
+    kHeight, 0, 0, kInfinity, false, false, "a finite number > 0 [N s/(kg m)]"};
 constexpr NumberRule kWidthRule{kWidth, 0, 0, kInfinity, true, false, "a finite number >= 0"};
-constexpr NumberRule kBaseWidthRule{kBaseWidth, 7.5e-3, 0, kInfinity, false, false,
-                                    "a finite number > 0 [s]"};
-constexpr NumberRule kUnitFactorRule{kUnitFactor, 0.083, 0, kInfinity, true, false,
+constexpr NumberRule kBaseWidthRule{
+    kBaseWidth, 7.5e-3, 0, kInfinity, false, false, "a finite number > 0 [s]"};
+constexpr NumberRule kUnitFactorRule{kUnitFactor,           0.083, 0, kInfinity, true, false,
                                      "a finite number >= 0"};
 constexpr NumberRule kShapeRule{kShape, 1, 0, 1, true, true, "a number in [0, 1]"};
-constexpr NumberRule kSecondsRule{kDuration, 0, 0, kInfinity, false, false,
-                                  "'hertz', 'paper' or a finite number > 0 [s]"};
+constexpr NumberRule kSecondsRule{
+    kDuration, 0, 0, kInfinity, false, false, "'hertz', 'paper' or a finite number > 0 [s]"};
 
 constexpr char kAlphaAllowed[] =
     "one finite number >= 0 per neighbouring pair of owned geoms, separated by spaces";
@@ -157,10 +157,9 @@ void CheckCombination(Reader& reader, const Config& config, int owned) {
 
 }  // namespace
 
-const char* const kAttributes[] = {kLaw,     kRestitution, kDissipation, kYoung,
-                                   kPoisson, kDuration,    kTouch,       kPassive,
-                                   kAlpha,   kHeight,      kWidth,       kBaseWidth,
-                                   kUnitFactor, kShape};
+const char* const kAttributes[] = {kLaw,      kRestitution, kDissipation, kYoung, kPoisson,
+                                   kDuration, kTouch,       kPassive,     kAlpha, kHeight,
+                                   kWidth,    kBaseWidth,   kUnitFactor,  kShape};
 const int kAttributeCount = sizeof(kAttributes) / sizeof(kAttributes[0]);
 
 int ReadList(const char* text, double* values, int size) {
@@ -182,8 +181,8 @@ int ReadList(const char* text, double* values, int size) {
 Config ReadConfig(const mjModel* m, int instance, int owned, ConfigError* error) {
   Reader reader(m, instance, error);
   Config config;
-  config.law = static_cast<Law>(
-      reader.Word(kLaw, {"hertz", "calibrated"}, "'hertz' or 'calibrated'"));
+  config.law =
+      static_cast<Law>(reader.Word(kLaw, {"hertz", "calibrated"}, "'hertz' or 'calibrated'"));
   config.dissipation = static_cast<law::Dissipation>(
       reader.Word(kDissipation, {"bistiffness", "viscous"}, "'bistiffness' or 'viscous'"));
   config.passive = reader.Word(kPassive, {"true", "false"}, "'true' or 'false'") == 0;

@@ -2,8 +2,8 @@
 // The attributes of one plugin instance: the only place where they are named, parsed and checked.
 //
 // plugin/README.md has the table for users. The model holds the attributes as text; they are read
-// when the instance is created (to refuse bad ones) and whenever an impact is due. Nothing parsed is
-// kept between steps, so the state of a simulation never disagrees with its model.
+// when the instance is created (to refuse bad ones) and whenever an impact is due. Nothing parsed
+// is kept between steps, so the state of a simulation never disagrees with its model.
 
 #ifndef MUJOCO_IMPACT_ENGINE_CONFIG_H_
 #define MUJOCO_IMPACT_ENGINE_CONFIG_H_
@@ -41,8 +41,8 @@ struct ConfigError {
   char message[512];
 };
 
-// Reads the attributes of `instance`; with `error` also checks each and tells the first that is bad.
-// `owned` is the number of geoms the instance owns.
+// Reads the attributes of `instance`; with `error` also checks each and tells the first that is
+// bad. `owned` is the number of geoms the instance owns.
 Config ReadConfig(const mjModel* m, int instance, int owned, ConfigError* error);
 
 // Reads up to `size` numbers of a list separated by spaces; returns how many it holds, -1 if a

@@ -56,9 +56,8 @@ Share ShareOfStep(const Pulse& pulse, mjtNum clock, mjtNum h) {
   Share share;
   share.delivered_next = next;
   share.impulse = pulse.impulse * (next - pulse.delivered);
-  share.moment =
-      pulse.impulse * W * (law::WaveformMoment(end, E) - law::WaveformMoment(from, E)) +
-      (pulse.onset - clock) * share.impulse;
+  share.moment = pulse.impulse * W * (law::WaveformMoment(end, E) - law::WaveformMoment(from, E)) +
+                 (pulse.onset - clock) * share.impulse;
   return share;
 }
 

@@ -2,13 +2,14 @@
 // Delivers pulses: what they exert in this step, independent of the size of the step.
 //
 // With I(t) the part of the pulse delivered by time t, the force of a step is the exact average
-// P (I(t + h) − I(t)) / h, so the total impulse is P for every h. The integrator moves the bodies as
-// if that impulse had come at the fraction a of the step (motion.h); the position correction
+// P (I(t + h) − I(t)) / h, so the total impulse is P for every h. The integrator moves the bodies
+// as if that impulse had come at the fraction a of the step (motion.h); the position correction
 //
 //   Δq = M⁻¹ Jᵀ (a h ΔP − M₁)        M₁ = ∫ s F(s) ds over the step, s from its start
 //
-// puts them where the pulse's own timing puts them. Joint damping that is treated implicitly acts on
-// the displacement the integrator made, Δq short of the true one; the force −B Δq/h makes up for it.
+// puts them where the pulse's own timing puts them. Joint damping that is treated implicitly acts
+// on the displacement the integrator made, Δq short of the true one; the force −B Δq/h makes up for
+// it.
 
 #ifndef MUJOCO_IMPACT_ENGINE_DELIVER_H_
 #define MUJOCO_IMPACT_ENGINE_DELIVER_H_

@@ -40,8 +40,8 @@ mjtNum* SettledVelocity(const mjModel* m, const Outlook& outlook, mjtNum tau, Sc
   return velocity;
 }
 
-Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership,
-                        mjtNum touch, const Outlook& outlook, Scratch& scratch) {
+Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership, mjtNum touch,
+                        const Outlook& outlook, Scratch& scratch) {
   Gathered gathered{0, scratch.Take<int>(d->ncon), scratch.Take<bool>(d->ncon),
                     scratch.Take<mjtNum>(d->ncon)};
   // with pulses under way, a contact that they will part is not an impact

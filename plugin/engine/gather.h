@@ -21,9 +21,9 @@ bool AnyMayClose(const mjModel* m, const mjData* d, mjtNum touch);
 
 // The path of the bodies through the step and what comes after it.
 struct Outlook {
-  Motion motion;     // path, bent by the step average of the pulses under way
-  mjtNum* bend;      // acceleration of those pulses (nv), null if there are none
-  mjtNum* arrears;   // M⁻¹ Jᵀ of what they have yet to deliver (nv)
+  Motion motion;    // path, bent by the step average of the pulses under way
+  mjtNum* bend;     // acceleration of those pulses (nv), null if there are none
+  mjtNum* arrears;  // M⁻¹ Jᵀ of what they have yet to deliver (nv)
 };
 
 Outlook LookAhead(const mjModel* m, mjData* d, const Delivery& delivery, bool pulses,
@@ -41,8 +41,8 @@ struct Gathered {
 };
 
 // All owned contacts between bodies of which at least one moves.
-Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership,
-                        mjtNum touch, const Outlook& outlook, Scratch& scratch);
+Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership, mjtNum touch,
+                        const Outlook& outlook, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

@@ -145,7 +145,8 @@ mjtNum RowTimes(const mjModel* m, const ContactRow& row, const mjtNum* x) {
   mjtNum sum = 0;
   for (const RowSegment& segment : row.segment) {
     if (segment.tree < 0) continue;
-    sum += mju_dot(segment.jacobian, x + m->tree_dofadr[segment.tree], m->tree_dofnum[segment.tree]);
+    sum +=
+        mju_dot(segment.jacobian, x + m->tree_dofadr[segment.tree], m->tree_dofnum[segment.tree]);
   }
   return sum;
 }

@@ -19,9 +19,9 @@ namespace mujoco_impact::engine {
 
 // The part of a contact's row that lies on one kinematic tree.
 struct RowSegment {
-  int tree;  // −1: static or merged into the other segment
-  mjtNum* jacobian;          // J_k on the dofs of the tree
-  mjtNum* inverse_inertia;   // M⁻¹ J_kᵀ on the dofs of the tree
+  int tree;                 // −1: static or merged into the other segment
+  mjtNum* jacobian;         // J_k on the dofs of the tree
+  mjtNum* inverse_inertia;  // M⁻¹ J_kᵀ on the dofs of the tree
 };
 
 struct ContactRow {

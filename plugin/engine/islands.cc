@@ -51,7 +51,9 @@ Islands FindIslands(const mjModel* m, const mjData* d, const int* contacts, cons
   // number the islands in which something closes, in the order of their first closing contact
   int* island_of = scratch.Take<int>(m->ntree);
   std::fill_n(island_of, m->ntree, -1);
-  const auto root = [&](int i) { return sets.Root(MovingTree(TreesOf(m, d->contact[contacts[i]]))); };
+  const auto root = [&](int i) {
+    return sets.Root(MovingTree(TreesOf(m, d->contact[contacts[i]])));
+  };
   int number = 0;
   for (int i = 0; i < count; ++i) {
     if (due[i] && island_of[root(i)] < 0) island_of[root(i)] = number++;

@@ -25,7 +25,8 @@ struct Islands {
   const int* position;  // in the list of contacts
 };
 
-// `contacts` are indices into mjData.contact, `due[i]` says whether contacts[i] closes in this step.
+// `contacts` are indices into mjData.contact, `due[i]` says whether contacts[i] closes in this
+// step.
 Islands FindIslands(const mjModel* m, const mjData* d, const int* contacts, const bool* due,
                     int count, Scratch& scratch);
 

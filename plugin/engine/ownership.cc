@@ -13,7 +13,8 @@ int TupleOf(const mjModel* m, int instance) {
 
 }  // namespace
 
-Ownership::Ownership(const mjModel* m, int instance) : geoms_(nullptr), size_(static_cast<int>(m->ngeom)) {
+Ownership::Ownership(const mjModel* m, int instance)
+    : geoms_(nullptr), size_(static_cast<int>(m->ngeom)) {
   const int tuple = TupleOf(m, instance);
   if (tuple < 0) return;
   geoms_ = m->tuple_objid + m->tuple_adr[tuple];

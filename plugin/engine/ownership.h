@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which contacts an instance owns.
 //
-// A contact is ours if MuJoCo detected it and left it out of its solver because of a negative margin
-// (exclude = 1, no constraint row), and one of its geoms is in the tuple that bears the instance's
-// name. Without such a tuple every geom is owned.
+// A contact is ours if MuJoCo detected it and left it out of its solver because of a negative
+// margin (exclude = 1, no constraint row), and one of its geoms is in the tuple that bears the
+// instance's name. Without such a tuple every geom is owned.
 
 #ifndef MUJOCO_IMPACT_ENGINE_OWNERSHIP_H_
 #define MUJOCO_IMPACT_ENGINE_OWNERSHIP_H_

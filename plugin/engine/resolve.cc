@@ -92,14 +92,10 @@ mjtNum IncomingMomentum(const mjModel* m, const IslandSystem& system, int first,
 
 void SolveHertz(const Config& config, const IslandSystem& system, const ImpactTime& time,
                 Problem& problem) {
-  const law::ImpactProblem impact{system.delassus,
-                                  problem.closing_speed,
-                                  problem.gap,
-                                  problem.stiffness,
-                                  config.restitution,
-                                  config.dissipation,
-                                  time.timestep - time.tau,
-                                  law::kDefaultTolerance};
+  const law::ImpactProblem impact{
+      system.delassus,          problem.closing_speed, problem.gap,
+      problem.stiffness,        config.restitution,    config.dissipation,
+      time.timestep - time.tau, law::kDefaultTolerance};
   law::ImpactSolution solution{problem.impulse, problem.moment, problem.onset, problem.after};
   law::SolveImpact(impact, config.passive, &solution, problem.work);
 }
@@ -121,8 +117,8 @@ void SolveCalibrated(const Config& config, const Ownership& ownership, const Isl
     problem.impulse[k] = touches ? alpha[k] * common : 0;
   }
   if (!config.passive) return;
-  const mjtNum scale = law::PassiveScale(system.delassus, problem.closing_speed, problem.impulse,
-                                         problem.work);
+  const mjtNum scale =
+      law::PassiveScale(system.delassus, problem.closing_speed, problem.impulse, problem.work);
   if (scale < 1) mju_scl(problem.impulse, problem.impulse, scale, problem.size);
 }
 

@@ -3,8 +3,8 @@
 //
 // Per owned geom, in the order of the tuple: force on it in the world frame, averaged over the step
 // (3) [N]; impulse of its current or last impact [N s]; peak force H of that [N]; α [-]; impacts
-// since reset. Room is left for all tuples of the model (ownership.h); what is beyond the owned geoms
-// is zero. MuJoCo's own force, touch and contact sensors do not see these contacts.
+// since reset. Room is left for all tuples of the model (ownership.h); what is beyond the owned
+// geoms is zero. MuJoCo's own force, touch and contact sensors do not see these contacts.
 
 #ifndef MUJOCO_IMPACT_ENGINE_SENSOR_H_
 #define MUJOCO_IMPACT_ENGINE_SENSOR_H_

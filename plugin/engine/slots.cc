@@ -38,8 +38,8 @@ void DiscardPending(State& state) {
   }
 }
 
-Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact,
-                const Config& config, const State& state) {
+Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, const Config& config,
+                const State& state) {
   Pulse pulse{};
   pulse.onset = state.header().clock + impact.onset;
   pulse.impulse = impact.impulse;

@@ -17,8 +17,8 @@ namespace mujoco_impact::engine {
 void DiscardPending(State& state);
 
 // The pulse of an impact, not yet in a slot.
-Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact,
-                const Config& config, const State& state);
+Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, const Config& config,
+                const State& state);
 
 // Puts the pulse into a slot that is not under way, as pending. False if there is none.
 bool AddPending(State& state, const Pulse& pulse, mjtNum delivered_next);

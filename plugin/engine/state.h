@@ -6,8 +6,8 @@
 //
 // It describes itself (the header holds the sizes), so that Python finds the pulses in it.
 // `compute` writes only what it has pending: slots with a negative serial, `delivered_next` of the
-// others, the correction, the held force. `advance` commits that. A repeated `compute` overwrites it.
-// Times are on the state's own clock, the seconds stepped since reset: a state restored without
+// others, the correction, the held force. `advance` commits that. A repeated `compute` overwrites
+// it. Times are on the state's own clock, the seconds stepped since reset: a state restored without
 // its mjData.time goes on all the same.
 
 #ifndef MUJOCO_IMPACT_ENGINE_STATE_H_
@@ -21,17 +21,17 @@ static_assert(sizeof(mjtNum) == sizeof(double), "mujoco_impact needs a MuJoCo of
 
 // A pulse under way or, once delivered, the record of it until its slot is needed again.
 struct Pulse {
-  double serial;        // order of the pulse, from 1; 0: never used; negative: pending
-  double geom[2];       // ids; the normal points from the first to the second
-  double onset;         // on the clock [s]
-  double impulse;       // P_k [N s]
-  double alpha;         // P_k over the impulse of the waveform [-]
-  double duration;      // W [s]
-  double restitution;   // E of the waveform [-]
-  double delivered;     // part of the impulse delivered by the start of the step [-]
+  double serial;          // order of the pulse, from 1; 0: never used; negative: pending
+  double geom[2];         // ids; the normal points from the first to the second
+  double onset;           // on the clock [s]
+  double impulse;         // P_k [N s]
+  double alpha;           // P_k over the impulse of the waveform [-]
+  double duration;        // W [s]
+  double restitution;     // E of the waveform [-]
+  double delivered;       // part of the impulse delivered by the start of the step [-]
   double delivered_next;  // and by its end; committed by advance
-  double point[2][3];   // where the force acts, in the frames of the two bodies [m]
-  double normal[3];     // world frame; for spheres the line of centres replaces it
+  double point[2][3];     // where the force acts, in the frames of the two bodies [m]
+  double normal[3];       // world frame; for spheres the line of centres replaces it
 };
 
 // What the sensor reports of the last impact of a geom.
@@ -48,11 +48,11 @@ struct Header {
   double slot_offset;  // of the first slot, in numbers
   double slot_size;
   double slot_number;
-  double clock;    // seconds stepped since reset
-  double active;   // pulses not yet delivered
-  double pending;  // 1: compute has something for advance to commit
-  double touch;    // the attribute, for the scan that every step pays [m]
-  double capacity;  // bound of the geoms owned, for which there is room
+  double clock;           // seconds stepped since reset
+  double active;          // pulses not yet delivered
+  double pending;         // 1: compute has something for advance to commit
+  double touch;           // the attribute, for the scan that every step pays [m]
+  double capacity;        // bound of the geoms owned, for which there is room
   double pending_pulses;  // of them, new pulses
   // Runge-Kutta: the forces of its first stage are held for the other three
   double stage_open;         // 1: a first stage has been computed since the last advance

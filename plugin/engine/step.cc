@@ -32,9 +32,8 @@ struct Step {
 void AddImpact(Step& step, const Config& config, const ContactRow& row, const Impact& impact) {
   const Pulse pulse = MakePulse(step.d, row, impact, config, step.state);
   const Share whole{impact.impulse, impact.moment, 1};
-  Share share = impact.at_once
-                    ? whole
-                    : ShareOfStep(pulse, step.state.header().clock, step.m->opt.timestep);
+  Share share =
+      impact.at_once ? whole : ShareOfStep(pulse, step.state.header().clock, step.m->opt.timestep);
   if (!AddPending(step.state, pulse, share.delivered_next)) share = whole;
   AddRowTransposed(step.m, row, share.impulse, step.delivery.impulse);
   AddRowTransposed(step.m, row, share.moment, step.delivery.moment);
@@ -80,8 +79,7 @@ void ResolveContacts(Step& step, bool pulses, Scratch& scratch) {
   const Ownership ownership(m, step.instance);
   const Config config = ReadConfig(m, step.instance, ownership.size(), nullptr);
   const Outlook outlook = LookAhead(m, step.d, step.delivery, pulses, scratch);
-  const Gathered gathered =
-      GatherContacts(m, step.d, ownership, config.touch, outlook, scratch);
+  const Gathered gathered = GatherContacts(m, step.d, ownership, config.touch, outlook, scratch);
   const Islands islands =
       FindIslands(m, step.d, gathered.contact, gathered.due, gathered.count, scratch);
   for (int i = 0; i < islands.number; ++i) {

@@ -8,8 +8,7 @@ namespace mujoco_impact::law {
 
 double CalibratedDuration(const CalibratedWaveform& waveform, double momentum) {
   // W = κ S_w / p + W₀ (6), the first term in ms
-  return waveform.unit_factor * waveform.duration_factor / momentum * 1e-3 +
-         waveform.base_duration;
+  return waveform.unit_factor * waveform.duration_factor / momentum * 1e-3 + waveform.base_duration;
 }
 
 double CalibratedImpulse(const CalibratedWaveform& waveform, double momentum) {

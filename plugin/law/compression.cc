@@ -47,7 +47,7 @@ class Integrator {
   const bool drops_expansion_;
   double t_ = 0;
 
-  double *y_, *c_, *rate_;       // state; rate is dy/dt over c: 1, or 1/e² while expanding
+  double *y_, *c_, *rate_;  // state; rate is dy/dt over c: 1, or 1/e² while expanding
   double *y_new_, *c_new_, *y_stage_;
   double *force_[4], *pull_[4];  // F and W F at the four stages
 };
@@ -59,9 +59,9 @@ Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution, d
       scale_(MeasureScale(problem)),
       lossless_(problem.restitution == 1),
       drops_expansion_(problem.restitution < kNoExpansion) {
-  double** const arrays[] = {&y_,        &c_,        &rate_,     &y_new_,   &c_new_,
-                             &y_stage_,  &force_[0], &force_[1], &force_[2], &force_[3],
-                             &pull_[0],  &pull_[1],  &pull_[2],  &pull_[3]};
+  double** const arrays[] = {&y_,       &c_,        &rate_,     &y_new_,    &c_new_,
+                             &y_stage_, &force_[0], &force_[1], &force_[2], &force_[3],
+                             &pull_[0], &pull_[1],  &pull_[2],  &pull_[3]};
   for (double** array : arrays) {
     *array = workspace;
     workspace += n_;
@@ -93,8 +93,8 @@ double Integrator::TryStep(double h) {
   }
   EvaluateStage(y_stage_, 1);
   for (int k = 0; k < n_; ++k) {
-    y_stage_[k] = y_[k] + rate_[k] * (kNode3 * h * c_[k] -
-                                      hh * (kStage3[0] * g1[k] + kStage3[1] * g2[k]));
+    y_stage_[k] =
+        y_[k] + rate_[k] * (kNode3 * h * c_[k] - hh * (kStage3[0] * g1[k] + kStage3[1] * g2[k]));
   }
   EvaluateStage(y_stage_, 2);
   for (int k = 0; k < n_; ++k) {
@@ -106,13 +106,11 @@ double Integrator::TryStep(double h) {
   for (int k = 0; k < n_; ++k) {
     c_new_[k] = c_[k] - h * (kVelocity[0] * g1[k] + kVelocity[1] * g2[k] + kVelocity[2] * g3[k] +
                              kVelocity[3] * g4[k]);
-    y_error = std::max(y_error, rate_[k] * std::abs(kPositionError[0] * g1[k] +
-                                                    kPositionError[1] * g2[k] +
-                                                    kPositionError[2] * g3[k] +
-                                                    kPositionError[3] * g4[k]));
-    c_error = std::max(c_error,
-                       std::abs(kVelocityError[0] * g1[k] + kVelocityError[1] * g2[k] +
-                                kVelocityError[2] * g3[k] + kVelocityError[3] * g4[k]));
+    y_error = std::max(y_error,
+                       rate_[k] * std::abs(kPositionError[0] * g1[k] + kPositionError[1] * g2[k] +
+                                           kPositionError[2] * g3[k] + kPositionError[3] * g4[k]));
+    c_error = std::max(c_error, std::abs(kVelocityError[0] * g1[k] + kVelocityError[1] * g2[k] +
+                                         kVelocityError[2] * g3[k] + kVelocityError[3] * g4[k]));
   }
   return std::max(hh * y_error / scale_.compression, h * c_error / scale_.speed) /
          problem_.tolerance;

@@ -19,8 +19,7 @@ ImpactReport SolveIsolated(const ImpactProblem& problem, ImpactSolution* solutio
   solution->closing_speed[0] = u;
   if (u <= 0 || problem.gap[0] > u * problem.horizon) return {0, true};
   const double mu = 1 / problem.delassus.diagonal[0];
-  const SingleImpact single =
-      SolveSingleImpact(mu, u, problem.stiffness[0], problem.restitution);
+  const SingleImpact single = SolveSingleImpact(mu, u, problem.stiffness[0], problem.restitution);
   const double onset = problem.gap[0] / u;
   solution->impulse[0] = single.impulse;
   solution->moment[0] = single.moment + onset * single.impulse;
@@ -47,7 +46,9 @@ SingleImpact SolveSingleImpact(double reduced_mass, double speed, double stiffne
   return single;
 }
 
-int ImpactWorkspace(int size) { return std::max(CompressionWorkspace(size), ViscousWorkspace(size)); }
+int ImpactWorkspace(int size) {
+  return std::max(CompressionWorkspace(size), ViscousWorkspace(size));
+}
 
 ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolution* solution,
                          double* workspace) {
@@ -57,8 +58,8 @@ ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolut
   const ImpactReport report = viscous ? IntegrateViscous(problem, solution, workspace)
                                       : IntegrateCompression(problem, solution, workspace);
   if (!passive) return report;
-  const double s = ConservativeScale(problem.delassus, problem.closing_speed, solution->impulse,
-                                     workspace);
+  const double s =
+      ConservativeScale(problem.delassus, problem.closing_speed, solution->impulse, workspace);
   const double factor = problem.restitution == 1 && report.converged ? s : std::min(1.0, s);
   if (s > 0) {
     Scale(factor, n, solution->impulse);

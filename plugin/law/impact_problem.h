@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The impact of one island of contacts, as a problem in contact space.
 //
-// Contact k has a closing speed c_k = −J_k v [m/s] (positive: approaching) and a virtual compression
-// y_k [m] (negative: minus the gap that is still open). With the Delassus matrix W = J M⁻¹ Jᵀ [1/kg]
-// and normal contact forces F_k ≥ 0 [N],
+// Contact k has a closing speed c_k = −J_k v [m/s] (positive: approaching) and a virtual
+// compression y_k [m] (negative: minus the gap that is still open). With the Delassus matrix W = J
+// M⁻¹ Jᵀ [1/kg] and normal contact forces F_k ≥ 0 [N],
 //
 //   dc/dt = −W F          dy_k/dt = c_k  (the dissipation law may change the rate of expansion)
 //
@@ -20,9 +20,9 @@ namespace mujoco_impact::law {
 // Delassus matrix W, symmetric positive semidefinite, in compressed rows with its diagonal.
 struct DelassusMatrix {
   int size;
-  const int* row_start;  // (size + 1)
-  const int* column;     // (row_start[size])
-  const double* value;   // (row_start[size]) [1/kg]
+  const int* row_start;    // (size + 1)
+  const int* column;       // (row_start[size])
+  const double* value;     // (row_start[size]) [1/kg]
   const double* diagonal;  // (size) [1/kg], > 0
 };
 

@@ -24,7 +24,7 @@ constexpr double kCombine[kStages][6] = {
     {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656, 0},
     {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}};
 constexpr double kNode[kStages] = {0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1, 1};
-constexpr double kError[kStages] = {71.0 / 57600,      0,           -71.0 / 16695, 71.0 / 1920,
+constexpr double kError[kStages] = {71.0 / 57600,      0,          -71.0 / 16695, 71.0 / 1920,
                                     -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
 
 class Integrator {
@@ -112,7 +112,8 @@ double Integrator::TryStep(double h) {
       dy += kError[j] * speed_[j][k];
       dc += kError[j] * pull_[j][k];
     }
-    error = std::max({error, h * std::abs(dy) / scale_.compression, h * std::abs(dc) / scale_.speed});
+    error =
+        std::max({error, h * std::abs(dy) / scale_.compression, h * std::abs(dc) / scale_.speed});
   }
   return error / problem_.tolerance;
 }

@@ -1,7 +1,8 @@
 """MuJoCo's own contacts, as good as they get: the settings we are compared with.
 
-All of them change `solref` and `solimp` of every contact of the scene and need no
-plugin. They are the best that is known for rows of touching balls:
+All of them change `solref` and `solimp` of every contact of the scene, use elliptic
+friction cones (the edges of a pyramid would each deliver the impulse at low impedance)
+and need no plugin. They are the best that is known for rows of touching balls:
 
 * damper: zero stiffness and the damping that reverses the closing speed within one
   step, with an impedance so low that the contacts of a row do not see each other
@@ -147,6 +148,7 @@ def _set_contacts(
     spec: mujoco.MjSpec, solref: tuple[float, float], solimp: tuple[float, ...]
 ) -> None:
     """Sets the contact parameters of every geom and every pair."""
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     for element in (*spec.geoms, *spec.pairs):
         element.solref = solref
         element.solimp = solimp

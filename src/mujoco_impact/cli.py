@@ -11,12 +11,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
-import cradle_models
 import mujoco
 import typer
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn
 
+import cradle_models
 from mujoco_impact import tables
 from mujoco_impact.compare import Comparison
 from mujoco_impact.compare import compare as compare_scene
@@ -151,6 +151,11 @@ def doctor(json_file: JsonOption = None) -> None:
         console.print("everything works")
 
 
+def main() -> None:
+    """Runs the command line; the target of the console script."""
+    app()
+
+
 @contextlib.contextmanager
 def _clean_errors() -> Iterator[None]:
     """Turns expected errors into one sentence on standard error and exit code 2."""
@@ -243,7 +248,7 @@ def _compared(
             duration=duration,
             keyframe=keyframe,
             progress=report,
-            **settings,
+            settings=settings,
         )
 
 

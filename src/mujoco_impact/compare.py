@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import mujoco
@@ -21,6 +21,7 @@ from mujoco_impact.pendulums import PendulumRow, find_row
 from mujoco_impact.reference import ReferenceTrajectory, swing
 from mujoco_impact.runner import initial_data, load_model, run, step_count
 from mujoco_impact.scene import attach, detach
+from mujoco_impact.settings import Setting
 from mujoco_impact.source import Source
 from mujoco_impact.timing import interleaved_times
 from mujoco_impact.trajectory import Array, Trajectory
@@ -156,8 +157,8 @@ def compare(
     gap: float | None = None,
     depth: float | None = None,
     repeats: int = 5,
+    settings: Mapping[str, Setting] | None = None,
     progress: Callable[[str], None] | None = None,
-    **settings: Any,
 ) -> Comparison:
     """Runs one scene under our impacts and under MuJoCo's own contacts.
 
@@ -175,8 +176,8 @@ def compare(
         gap: See `attach`.
         depth: See `attach`.
         repeats: How often each method is timed, in turn with the others.
+        settings: Settings of the impact law by name, see `attach`.
         progress: Called with the name of each stage as it begins.
-        **settings: Settings of the impact law, see `attach`.
 
     Raises:
         SceneError: If the scene cannot take the plugin.
@@ -185,17 +186,18 @@ def compare(
             result.
     """
     report = progress or (lambda _: None)
+    law: dict[str, Any] = dict(settings or {})
     report(OURS)
     plain = detach(source)
-    attached = attach(plain, geoms=geoms, gap=gap, depth=depth, **settings)
+    attached = attach(plain, geoms=geoms, gap=gap, depth=depth, **law)
     start: dict[str, Any] = {"keyframe": keyframe, "qpos": qpos, "qvel": qvel}
-    ours = Method(OURS, _shown(settings), attached)
+    ours = Method(OURS, _shown(law), attached)
     motion = run(attached, duration=duration, **start)
     model = load_model(plain)
     report("Hertz reference")
-    truth = _reference(model, motion, settings)
+    truth = _reference(model, motion, law)
     speed = truth.speed or _first_closing_speed(model, motion)
-    restitution = _number_setting(settings, "restitution", 1.0)
+    restitution = _number_setting(law, "restitution", 1.0)
     methods = (ours, *baselines(plain, impact_speed=speed, restitution=restitution))
     results = []
     for method in methods:

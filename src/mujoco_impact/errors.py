@@ -27,6 +27,7 @@ class SimulationError(ImpactError):
     """
 
     def __init__(self, message: str, *, time: float) -> None:
+        """Stores the message and the time [s]."""
         super().__init__(message)
         self.time = time
 

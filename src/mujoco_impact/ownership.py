@@ -72,30 +72,30 @@ def set_margins(
     for geom in spec.geoms:
         if geom.name in ours:
             geom.margin = -margin
-            geom.gap = margin + gap
+            geom.gap = round(margin + gap, 12)
     for pair in spec.pairs:
         count = (pair.geomname1 in ours) + (pair.geomname2 in ours)
         if count:
             pair.margin = -count * depth
-            pair.gap = count * (depth + gap)
+            pair.gap = round(count * (depth + gap), 12)
 
 
 def default_gap(model: mujoco.MjModel, owned: Sequence[str]) -> float:
     """Returns how early a contact of an owned geom should be seen [m].
 
-    The plugin must see an impact at least one step before it happens. The fastest
-    body that gravity alone can make falls through the whole scene, so the
-    gap is what it travels in one step; never less than half of the
-    half-width of the smallest owned geom, for scenes without gravity.
+    The plugin must see an impact at least one step before it happens, so the gap is
+    what a body that fell through the scene travels in one step; never less than half
+    of the half-width of the smallest owned geom, for scenes without gravity.
     """
+    size = smallest_size(model, owned)
+    travel = fall_speed(model) * float(model.opt.timestep)
+    return round_up(max(GAP_SIZE_FRACTION * size, travel))
+
+
+def fall_speed(model: mujoco.MjModel) -> float:
+    """Returns the speed of a body that gravity pulled through the scene [m/s]."""
     gravity = float(np.linalg.norm(model.opt.gravity))
-    fall_speed = math.sqrt(2.0 * gravity * model.stat.extent)
-    return round_up(
-        max(
-            GAP_SIZE_FRACTION * smallest_size(model, owned),
-            fall_speed * model.opt.timestep,
-        )
-    )
+    return math.sqrt(2.0 * gravity * model.stat.extent)
 
 
 def smallest_size(model: mujoco.MjModel, owned: Sequence[str]) -> float:

@@ -2,10 +2,11 @@
 
 Layout of the state of one instance, from `model.plugin_stateadr[instance]` on:
 a header (layout version, number of pulses begun since reset, offset of the slot
-table, numbers per slot, number of slots), then the slots. A slot holds the serial
-number of its pulse (0: never used), the two geoms, the time since onset [s], the
-normal impulse [N s], alpha, the duration [s] and the restitution; the rest of it is
-private to the plugin. A finished pulse stays in its slot until that is needed again.
+table, numbers per slot, number of slots, clock: seconds stepped since reset), then the
+slots. A slot holds the serial number of its pulse (0: never used), the two geoms, the
+onset on that clock [s], the normal impulse [N s], alpha, the duration [s] and the
+restitution; the rest of it is private to the plugin. A finished pulse stays in its slot
+until that is needed again.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ from mujoco_impact.trajectory import Array, Impact
 
 LAYOUT_VERSION = 1.0
 
-_COUNT, _TABLE, _SLOT_SIZE, _SLOTS = 1, 2, 3, 4
-_SERIAL, _GEOM1, _GEOM2, _ELAPSED, _IMPULSE, _ALPHA, _DURATION, _RESTITUTION = range(8)
+_COUNT, _TABLE, _SLOT_SIZE, _SLOTS, _CLOCK = 1, 2, 3, 4, 5
+_SERIAL, _GEOM1, _GEOM2, _ONSET, _IMPULSE, _ALPHA, _DURATION, _RESTITUTION = range(8)
 
 _PROBE = f"""
 <mujoco>
@@ -70,15 +71,16 @@ class PulseReader:
         slots = _slots(state)
         new = slots[slots[:, _SERIAL] > seen]
         new = new[np.argsort(new[:, _SERIAL])]
-        self.impacts.extend(self._impact(slot) for slot in new)
+        clock = float(state[_CLOCK])
+        self.impacts.extend(self._impact(slot, clock) for slot in new)
         self.missed += count - seen - len(new)
         self._seen[index] = count
 
-    def _impact(self, slot: Array) -> Impact:
+    def _impact(self, slot: Array, clock: float) -> Impact:
         """Returns the record of one slot."""
         impulse, duration = float(slot[_IMPULSE]), float(slot[_DURATION])
         return Impact(
-            time=self._data.time - float(slot[_ELAPSED]),
+            time=self._data.time - (clock - float(slot[_ONSET])),
             geoms=(
                 geom_name(self._model, int(slot[_GEOM1])),
                 geom_name(self._model, int(slot[_GEOM2])),
@@ -111,7 +113,7 @@ def _instance_state(model: mujoco.MjModel, data: mujoco.MjData, instance: int) -
     state: Array = data.plugin_state[
         start : start + int(model.plugin_statenum[instance])
     ]
-    if len(state) < _SLOTS + 1 or state[0] != LAYOUT_VERSION:
+    if len(state) <= _CLOCK or state[0] != LAYOUT_VERSION:
         found = state[0] if len(state) else "no state"
         msg = (
             f"the plugin library keeps its state in layout {found}, this package reads "

@@ -11,6 +11,7 @@ from mujoco_impact._plugin import PLUGIN_NAME
 from mujoco_impact.errors import ConfigError, SceneError
 from mujoco_impact.ownership import (
     default_gap,
+    fall_speed,
     round_up,
     select_geoms,
     set_margins,
@@ -19,11 +20,14 @@ from mujoco_impact.ownership import (
 from mujoco_impact.settings import Setting, attributes
 from mujoco_impact.source import Source, compile_spec, read_spec
 
-SHORT_PULSE_DEPTH = 0.01
+SMALLEST_DEPTH = 0.01
 """Default depth over half-width when pulses last no longer than a Hertz contact."""
 
-LONG_PULSE_DEPTH = 0.5
-"""Default depth over half-width when pulses last longer: balls overlap meanwhile."""
+LARGEST_DEPTH = 0.5
+"""Bound of the default depth over half-width: half-way to the centre."""
+
+PAPER_DURATION = 10e-3
+"""Duration of a pulse [s] that the default depth allows for if duration="paper"."""
 
 
 def attach(
@@ -53,8 +57,8 @@ def attach(
             of the smallest owned geom. Doubles between two owned geoms.
         depth: Overlap at which MuJoCo's own contact takes over [m]: a resting geom
             sinks that deep. Default: 1 % of half of the width of the smallest owned
-            geom, 50 % if `duration` is longer than a Hertz contact, because
-            bodies overlap during a long pulse. Doubles between two owned geoms.
+            geom; if `duration` is longer than a Hertz contact, what bodies overlap
+            during a pulse, but not more than 50 %. Doubles between two owned geoms.
         **settings: Settings of the impact law, see `mujoco_impact.settings.SETTINGS`;
             for example `restitution=0.9`, `young=210e9`, `duration="paper"`.
 
@@ -177,11 +181,23 @@ def _compile_with_plugin(
 def _default_depth(
     model: mujoco.MjModel, owned: Sequence[str], config: Mapping[str, str]
 ) -> float:
-    """Returns the overlap at which MuJoCo's own contact takes over [m]."""
+    """Returns the overlap at which MuJoCo's own contact takes over [m].
+
+    During a half-sine pulse of duration W that reverses the closing speed u, bodies
+    overlap by u W / pi; u is taken as that of a fall through the scene.
+    """
+    size = smallest_size(model, owned)
+    overlap = fall_speed(model) * _pulse_duration(config) / math.pi
+    return round_up(min(max(overlap, SMALLEST_DEPTH * size), LARGEST_DEPTH * size))
+
+
+def _pulse_duration(config: Mapping[str, str]) -> float:
+    """Returns how long pulses last [s]; 0 for a Hertz contact, which is shorter."""
     usual = "paper" if config.get("law") == "calibrated" else "hertz"
-    short = config.get("duration", usual) == "hertz"
-    fraction = SHORT_PULSE_DEPTH if short else LONG_PULSE_DEPTH
-    return round_up(fraction * smallest_size(model, owned))
+    duration = config.get("duration", usual)
+    if duration in ("hertz", "paper"):
+        return 0.0 if duration == "hertz" else PAPER_DURATION
+    return float(duration)
 
 
 def _check_length(label: str, length: float | None) -> None:

@@ -29,7 +29,8 @@ def comparison_table(comparison: Comparison) -> Table:
         "run time\n[ms per s]",
         "run time\nratio",
     ):
-        table.add_column(heading, justify="left" if heading == "method" else "right")
+        left = heading == "method"
+        table.add_column(heading, justify="left" if left else "right", no_wrap=left)
     for row in comparison.table():
         if row["failure"]:
             table.add_row(row["method"], "failed", *[NOTHING] * 4)
@@ -51,7 +52,7 @@ def velocity_table(comparison: Comparison) -> Table:
     """Returns the velocities that the first impact leaves, one row per method."""
     truth = comparison.reference_velocities or ()
     table = Table(title="velocities after the first impact / impact speed", box=None)
-    table.add_column("method")
+    table.add_column("method", no_wrap=True)
     for ball in range(1, len(truth) + 1):
         table.add_column(f"ball {ball}", justify="right")
     table.add_row("Hertz reference", *_signed(truth), style="bold")

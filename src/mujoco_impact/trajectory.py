@@ -130,7 +130,7 @@ class Trajectory:
         except FileNotFoundError as error:
             msg = f"there is no trajectory file {os.fspath(path)!r}"
             raise TrajectoryError(msg) from error
-        except (OSError, ValueError, KeyError, zipfile.BadZipFile, AttributeError) as e:
+        except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as e:
             msg = f"{os.fspath(path)!r} is not a trajectory file: {e}"
             raise TrajectoryError(msg) from e
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+
 from mujoco_impact import attach
 from mujoco_impact.errors import ConfigError, ImpactError, SceneError
 from mujoco_impact.scene import detach, owned_geoms

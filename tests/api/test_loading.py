@@ -74,7 +74,7 @@ def test_library_not_built_says_how(monkeypatch: pytest.MonkeyPatch) -> None:
     """The command that builds it."""
     monkeypatch.delenv("MUJOCO_IMPACT_PLUGIN", raising=False)
     monkeypatch.setattr(_plugin, "_library_name", lambda: "libnot_built.so")
-    with pytest.raises(PluginError, match=r"does not exist: build it with `pip install"):
+    with pytest.raises(PluginError, match=r"does not exist: build it with `pip"):
         _plugin.plugin_path()
 
 
@@ -86,7 +86,7 @@ def test_file_that_is_no_library_is_named(
     broken.write_text("not a library")
     monkeypatch.setenv("MUJOCO_IMPACT_PLUGIN", str(broken))
     monkeypatch.setattr(_plugin, "is_registered", lambda: False)
-    with pytest.raises(PluginError, match=r"cannot load the plugin library .*broken.so"):
+    with pytest.raises(PluginError, match=r"cannot load the plugin .*broken.so"):
         load()
 
 

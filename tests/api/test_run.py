@@ -140,9 +140,7 @@ def test_impact_of_two_balls_is_recorded(
         math.pi * impact.impulse / (2 * impact.duration)
     )
     expected = [(1 - restitution) / 2, (1 + restitution) / 2]
-    np.testing.assert_allclose(
-        trajectory.qvel[-1], expected, atol=VELOCITY_TOLERANCE
-    )
+    np.testing.assert_allclose(trajectory.qvel[-1], expected, atol=VELOCITY_TOLERANCE)
     assert trajectory.missed_impacts == 0
 
 
@@ -171,17 +169,16 @@ def test_impacts_of_two_instances_are_merged_in_order_of_time() -> None:
     ]
 
 
-def test_divergence_is_an_error_with_its_time(tmp_path: Path) -> None:
+def test_divergence_is_an_error_with_its_time() -> None:
     """MuJoCo itself would reset the state and go on; no log file is left."""
-    stiff = """<mujoco><option timestep=".01" gravity="0 0 0"><flag eulerdamp="disable"/>
-      </option><worldbody><body><joint name="x" type="slide" stiffness="1e9"/>
+    stiff = """<mujoco><option timestep=".01" gravity="0 0 0"/>
+      <worldbody><body><joint name="x" type="slide" stiffness="1e9"/>
       <geom size=".1"/></body></worldbody></mujoco>"""
     before = sorted(Path.cwd().iterdir())
-    with pytest.raises(SimulationError, match="warning in the step at 0.*unstable") as e:
+    with pytest.raises(SimulationError, match=r"step at 0\..*unstable") as caught:
         run(stiff, duration=1.0, qpos=[0.1])
-    assert 0.0 < e.value.time < 1.0
+    assert 0.0 < caught.value.time < 1.0
     assert sorted(Path.cwd().iterdir()) == before
-    assert tmp_path.is_dir()
 
 
 def test_warning_handler_is_given_back() -> None:

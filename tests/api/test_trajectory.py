@@ -62,9 +62,7 @@ def test_file_holds_no_pickle(tmp_path: Path) -> None:
 def test_total_energy_is_the_sum() -> None:
     """Potential plus kinetic."""
     one = trajectory(())
-    np.testing.assert_array_equal(
-        one.total_energy, one.energy[:, 0] + one.energy[:, 1]
-    )
+    np.testing.assert_array_equal(one.total_energy, one.energy[:, 0] + one.energy[:, 1])
 
 
 def test_wrong_files_are_refused(tmp_path: Path) -> None:
