@@ -2,11 +2,13 @@
 
 #include "engine/config.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <limits>
+#include <vector>
 
 #include "law/hertz_contact.h"
 #include "law/viscous.h"
@@ -135,7 +137,14 @@ void CheckAlpha(Reader& reader, const Config& config, int owned) {
     std::snprintf(note, sizeof(note), " (%d given, %d needed for %d owned geoms)", count, owned - 1,
                   owned);
   }
-  if (count != owned - 1) reader.Refuse(kAlpha, kAlphaAllowed, note);
+  if (count != owned - 1) {
+    reader.Refuse(kAlpha, kAlphaAllowed, note);
+    return;
+  }
+  std::vector<double> alpha(count);
+  ReadList(config.alpha, alpha.data(), count);
+  const bool good = std::all_of(alpha.begin(), alpha.end(), [](double a) { return a >= 0; });
+  if (!good) reader.Refuse(kAlpha, kAlphaAllowed);
 }
 
 void CheckCombination(Reader& reader, const Config& config, int owned) {

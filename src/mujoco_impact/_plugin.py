@@ -10,10 +10,11 @@ from __future__ import annotations
 import importlib
 import os
 import sys
+import warnings
 from importlib.resources import files
 from pathlib import Path
 
-from mujoco_impact.errors import PluginError
+from mujoco_impact.errors import ImpactWarning, PluginError
 
 PLUGIN_NAME = "mujoco_impact.waveform"
 """Name under which the plugin is registered in MuJoCo."""
@@ -55,6 +56,17 @@ def load() -> None:
             f"{_BUILD_HINT}"
         )
         raise PluginError(msg)
+
+
+def load_or_warn() -> None:
+    """Registers the plugin; a failure is a warning, so that `doctor` can explain it.
+
+    For the import of the package. Whatever needs the plugin calls `load` again.
+    """
+    try:
+        load()
+    except PluginError as error:
+        warnings.warn(str(error), ImpactWarning, stacklevel=3)
 
 
 def is_registered() -> bool:

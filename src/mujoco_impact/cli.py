@@ -42,6 +42,8 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    # the default mode would take units in brackets for markup
+    rich_markup_mode="markdown",
 )
 
 ModelArgument = Annotated[
@@ -148,7 +150,7 @@ def doctor(json_file: JsonOption = None) -> None:
         console.print(tables.check_table(checks))
         if not healthy:
             raise typer.Exit(USER_ERROR)
-        console.print("everything works")
+        console.out("everything works")
 
 
 def main() -> None:
@@ -263,11 +265,11 @@ def _show_comparison(comparison: Comparison, png: Path, json_file: str | None) -
     console.print(tables.comparison_table(comparison))
     for method in comparison.methods:
         if method.failure:
-            console.print(f"{method.name} failed: {method.failure}")
+            console.out(f"{method.name} failed: {method.failure}")
     if comparison.note:
-        console.print(comparison.note)
-    console.print(f"\nimpact speed v0 = {comparison.impact_speed:.4f} m/s")
-    console.print(f"picture: {picture}")
+        console.out(comparison.note)
+    console.out(f"\nimpact speed v0 = {comparison.impact_speed:.4f} m/s")
+    console.out(f"picture: {picture}")
 
 
 def _show_run(
@@ -297,13 +299,13 @@ def _show_run(
     console.print(tables.impact_table(trajectory.impacts, limit=IMPACTS_SHOWN))
     hidden = len(trajectory.impacts) - IMPACTS_SHOWN
     if hidden > 0:
-        console.print(f"... and {hidden} more (--json lists all)")
-    console.print(
+        console.out(f"... and {hidden} more (--json lists all)")
+    console.out(
         f"{scene}: {trajectory.time[-1]:g} s simulated in {elapsed:.3f} s, "
         f"{tables.energy_line(trajectory)}"
     )
     if saved is not None:
-        console.print(f"trajectory: {saved}")
+        console.out(f"trajectory: {saved}")
 
 
 def _write_json(json_file: str | None, document: dict[str, Any]) -> None:

@@ -20,7 +20,7 @@ from mujoco_impact.errors import ImpactError, SceneError, SimulationError
 from mujoco_impact.pendulums import PendulumRow, find_row
 from mujoco_impact.reference import ReferenceTrajectory, swing
 from mujoco_impact.runner import initial_data, load_model, run, step_count
-from mujoco_impact.scene import attach, detach
+from mujoco_impact.scene import attach, detach, owned_geoms
 from mujoco_impact.settings import Setting
 from mujoco_impact.source import Source
 from mujoco_impact.timing import interleaved_times
@@ -28,6 +28,9 @@ from mujoco_impact.trajectory import Array, Trajectory
 
 OURS = "mujoco-impact"
 """Name of our own row in the table."""
+
+INSTANCE = "impact"
+"""Name of the plugin instance."""
 
 MOST_REFERENCE_BALLS = 12
 """Longer rows are chaotic after the first wave, and their reference takes minutes."""
@@ -98,6 +101,8 @@ class Comparison:
         integrator: Integrator of the scene.
         mujoco_version: Version of MuJoCo.
         impact_speed: Closing speed of the first impact, v0 [m/s].
+        model: The scene with MuJoCo's own contacts, compiled.
+        geoms: Names of the geoms whose impacts are ours.
         methods: Our result, the scene as it is, and the tuned settings.
         row: The row of pendulums that the scene is, or None.
         reference: The Hertz reference of the row, or None.
@@ -111,6 +116,8 @@ class Comparison:
     integrator: str
     mujoco_version: str
     impact_speed: float
+    model: mujoco.MjModel
+    geoms: tuple[str, ...]
     methods: tuple[MethodResult, ...]
     row: PendulumRow | None = None
     reference: ReferenceTrajectory | None = None
@@ -189,7 +196,7 @@ def compare(
     law: dict[str, Any] = dict(settings or {})
     report(OURS)
     plain = detach(source)
-    attached = attach(plain, geoms=geoms, gap=gap, depth=depth, **law)
+    attached = attach(plain, geoms=geoms, name=INSTANCE, gap=gap, depth=depth, **law)
     start: dict[str, Any] = {"keyframe": keyframe, "qpos": qpos, "qvel": qvel}
     ours = Method(OURS, _shown(law), attached)
     motion = run(attached, duration=duration, **start)
@@ -213,6 +220,8 @@ def compare(
         integrator=motion.integrator,
         mujoco_version=motion.mujoco_version,
         impact_speed=speed,
+        model=model,
+        geoms=owned_geoms(attached)[INSTANCE] or (),
         methods=timed,
         row=truth.row,
         reference=truth.motion,

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import mujoco
 import numpy as np
 
-from mujoco_impact.compare import OURS, Comparison, MethodResult, row_samples
+from mujoco_impact.compare import OURS, Comparison, row_samples
 from mujoco_impact.errors import MissingExtraError
 from mujoco_impact.trajectory import Array, Trajectory
 
@@ -17,8 +18,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from mujoco_impact.reference import ReferenceTrajectory
+
 MOST_CURVES = 10
-"""Balls or coordinates drawn at most in one panel."""
+"""Balls or geoms drawn at most in one panel."""
 
 PANEL_COLUMNS = 4
 
@@ -78,55 +81,87 @@ def _new_figure(comparison: Comparison) -> Figure:
 
 
 def _draw_motions(comparison: Comparison, axes: Sequence[Axes]) -> None:
-    """Draws one panel per method, the reference first, and names the curves."""
-    _draw_reference(comparison, axes[0])
-    used = len(comparison.methods) + 1
-    for method, axis in zip(comparison.methods, axes[1:], strict=False):
-        _draw_motion(comparison, method, axis)
-    for panel, axis in enumerate(axes):
-        if panel >= used:
-            axis.axis("off")
+    """Draws one panel per method, after the reference, and names the curves."""
+    panels = list(axes)
+    if comparison.reference is not None:
+        _draw_reference(comparison.reference, panels.pop(0))
+    coordinate = _main_coordinate(comparison)
+    for method, axis in zip(comparison.methods, panels, strict=False):
+        weight = "bold" if method.name == OURS else "normal"
+        axis.set_title(method.name, fontsize=10, fontweight=weight)
+        if method.trajectory is None:
+            _say(axis, method.failure)
             continue
-        if panel % PANEL_COLUMNS == 0:
-            axis.set_ylabel("angle [deg]" if comparison.row else "qpos [m, rad]")
-        if panel + PANEL_COLUMNS >= used:
-            axis.set_xlabel("time [s]")
-            axis.tick_params(labelbottom=True)
-        axis.grid(alpha=0.25)
-    _name_curves(comparison, axes[1], axes[-1] if used < len(axes) else axes[0])
+        curves = _curves(comparison, method.trajectory, coordinate)
+        _draw_curves(axis, method.trajectory.time, curves)
+    used = len(comparison.methods) + len(axes) - len(panels)
+    what = "angle [deg]" if comparison.row else f"{'xyz'[coordinate]} [m]"
+    for panel, axis in enumerate(axes):
+        _dress(axis, panel, used, what)
+    names = _curve_names(comparison)
+    place = axes[-1] if used < len(axes) else panels[0]
+    columns = 1 + (len(names) > MOST_CURVES // 2)
+    lines = panels[0].lines
+    place.legend(lines, names, loc="center", fontsize=9, ncols=columns, frameon=False)
 
 
-def _name_curves(comparison: Comparison, drawn: Axes, place: Axes) -> None:
-    """Puts the names of the curves of one panel into a free one."""
-    what = "ball" if comparison.row else "qpos"
-    first = 1 if comparison.row else 0
-    labels = [f"{what} {first + number}" for number in range(len(drawn.lines))]
-    place.legend(drawn.lines, labels, loc="center", fontsize=9, ncols=2, frameon=False)
+def _dress(axis: Axes, panel: int, used: int, what: str) -> None:
+    """Labels the outer axes of one panel, or hides a panel that is not used."""
+    if panel >= used:
+        axis.axis("off")
+        return
+    if panel % PANEL_COLUMNS == 0:
+        axis.set_ylabel(what)
+    if panel + PANEL_COLUMNS >= used:
+        axis.set_xlabel("time [s]")
+        axis.tick_params(labelbottom=True)
+    axis.grid(alpha=0.25)
 
 
-def _draw_reference(comparison: Comparison, axis: Axes) -> None:
-    """Draws the Hertz reference, or says why there is none."""
+def _draw_reference(reference: ReferenceTrajectory, axis: Axes) -> None:
+    """Draws the Hertz reference."""
     axis.set_title("Hertz reference", fontsize=10, fontweight="bold")
-    if comparison.reference is None:
-        _say(axis, comparison.note)
-        return
-    time = np.linspace(0.0, comparison.reference.duration, REFERENCE_POINTS)
-    _draw_curves(axis, time, np.degrees(comparison.reference(time)[0]))
+    time = np.linspace(0.0, reference.duration, REFERENCE_POINTS)
+    _draw_curves(axis, time, np.degrees(reference(time)[0]))
 
 
-def _draw_motion(comparison: Comparison, method: MethodResult, axis: Axes) -> None:
-    """Draws the motion of one method, or why it failed."""
-    weight = "bold" if method.name == OURS else "normal"
-    axis.set_title(method.name, fontsize=10, fontweight=weight)
-    motion = method.trajectory
-    if motion is None:
-        _say(axis, method.failure)
-        return
+def _curves(comparison: Comparison, motion: Trajectory, coordinate: int) -> Array:
+    """Returns angles [deg] of a row, else one coordinate of the owned geoms [m]."""
     if comparison.row:
-        values = np.degrees(comparison.row.angles(motion.qpos))
+        angles: Array = np.degrees(comparison.row.angles(motion.qpos))
+        return angles
+    return _positions(comparison, motion)[:, :, coordinate]
+
+
+def _curve_names(comparison: Comparison) -> list[str]:
+    """Returns the names of the curves of a panel."""
+    if comparison.row:
+        names = [f"ball {ball + 1}" for ball in range(comparison.row.chain.count)]
     else:
-        values = motion.qpos
-    _draw_curves(axis, motion.time, values)
+        names = list(comparison.geoms)
+    return names[:MOST_CURVES]
+
+
+def _main_coordinate(comparison: Comparison) -> int:
+    """Returns which of x, y, z the owned geoms move along most in our run."""
+    motion = comparison.methods[0].trajectory
+    if comparison.row or motion is None:
+        return 0
+    spread = np.ptp(_positions(comparison, motion), axis=0).max(axis=0)
+    return int(np.argmax(spread))
+
+
+def _positions(comparison: Comparison, motion: Trajectory) -> Array:
+    """Returns the centres of the owned geoms [m], shape (n_samples, n_geoms, 3)."""
+    model = comparison.model
+    data = mujoco.MjData(model)
+    geoms = [model.geom(name).id for name in comparison.geoms[:MOST_CURVES]]
+    positions = np.empty((len(motion.time), len(geoms), 3))
+    for sample, qpos in enumerate(motion.qpos):
+        data.qpos[:] = qpos
+        mujoco.mj_kinematics(model, data)
+        positions[sample] = data.geom_xpos[geoms]
+    return positions
 
 
 def _draw_curves(axis: Axes, time: Array, values: Array) -> None:

@@ -184,10 +184,14 @@ def _default_depth(
     """Returns the overlap at which MuJoCo's own contact takes over [m].
 
     During a half-sine pulse of duration W that reverses the closing speed u, bodies
-    overlap by u W / pi; u is taken as that of a fall through the scene.
+    overlap by u W / pi; u is taken as that of a fall through the scene. Runge-Kutta
+    spreads every impact over the step h, and looks at positions in its middle at which
+    bodies overlap by up to u h / 2.
     """
     size = smallest_size(model, owned)
     overlap = fall_speed(model) * _pulse_duration(config) / math.pi
+    if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
+        overlap += fall_speed(model) * float(model.opt.timestep) / 2
     return round_up(min(max(overlap, SMALLEST_DEPTH * size), LARGEST_DEPTH * size))
 
 

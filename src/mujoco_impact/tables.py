@@ -14,6 +14,9 @@ from mujoco_impact.compare import OURS, Comparison
 from mujoco_impact.doctor import Check
 from mujoco_impact.trajectory import Impact, Trajectory
 
+MOST_BALLS_ABREAST = 6
+"""More balls than this stand below each other, to fit 80 columns."""
+
 NOTHING = "-"
 """What stands where there is no number."""
 
@@ -49,20 +52,36 @@ def comparison_table(comparison: Comparison) -> Table:
 
 
 def velocity_table(comparison: Comparison) -> Table:
-    """Returns the velocities that the first impact leaves, one row per method."""
+    """Returns the velocities that the first impact leaves, per method and ball."""
     truth = comparison.reference_velocities or ()
-    table = Table(title="velocities after the first impact / impact speed", box=None)
-    table.add_column("method", no_wrap=True)
-    for ball in range(1, len(truth) + 1):
-        table.add_column(f"ball {ball}", justify="right")
-    table.add_row("Hertz reference", *_signed(truth), style="bold")
+    balls = [f"ball {number}" for number in range(1, len(truth) + 1)]
+    lines = [["Hertz reference", *_signed(truth)]]
     for method in comparison.methods:
         left = method.first_velocities
         cells = [NOTHING] * len(truth) if left is None else _signed(left)
-        table.add_row(
-            method.name, *cells, style="bold" if method.name == OURS else None
-        )
+        lines.append([method.name, *cells])
+    table = Table(title="velocities after the first impact / impact speed", box=None)
+    if len(balls) <= MOST_BALLS_ABREAST:
+        _fill(table, ["method", *balls], lines)
+        return table
+    headings, *columns = zip(*lines, strict=True)
+    rows = [[ball, *cells] for ball, cells in zip(balls, columns, strict=True)]
+    _fill(table, ["", *map(_narrow, headings)], rows)
     return table
+
+
+def _fill(table: Table, headings: Sequence[str], lines: Sequence[list[str]]) -> None:
+    """Adds a column of names, columns of numbers, and the rows; ours is bold."""
+    for position, heading in enumerate(headings):
+        left = position == 0
+        table.add_column(heading, justify="left" if left else "right", no_wrap=left)
+    for line in lines:
+        table.add_row(*line, style="bold" if line[0] == OURS else None)
+
+
+def _narrow(heading: str) -> str:
+    """Breaks a heading wherever it can be broken."""
+    return heading.replace(" ", "\n").replace("-", "-\n")
 
 
 def impact_table(impacts: Sequence[Impact], *, limit: int) -> Table:

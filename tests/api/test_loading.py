@@ -10,7 +10,7 @@ import mujoco
 import pytest
 
 from mujoco_impact import _plugin, load
-from mujoco_impact.errors import PluginError
+from mujoco_impact.errors import ImpactWarning, PluginError
 
 
 def python(code: str) -> subprocess.CompletedProcess[str]:
@@ -76,6 +76,16 @@ def test_library_not_built_says_how(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(_plugin, "_library_name", lambda: "libnot_built.so")
     with pytest.raises(PluginError, match=r"does not exist: build it with `pip"):
         _plugin.plugin_path()
+
+
+def test_import_without_a_library_warns_and_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So that `mujoco-impact doctor` can say what to do."""
+    monkeypatch.setenv("MUJOCO_IMPACT_PLUGIN", str(tmp_path / "none.so"))
+    monkeypatch.setattr(_plugin, "is_registered", lambda: False)
+    with pytest.warns(ImpactWarning, match="there is no such file"):
+        _plugin.load_or_warn()
 
 
 def test_file_that_is_no_library_is_named(

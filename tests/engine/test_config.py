@@ -1,0 +1,119 @@
+"""A bad attribute is refused when the model compiles, with its name, value and range."""
+
+import mujoco
+import pytest
+
+import mujoco_impact  # noqa: F401  registers the plugin
+
+TEMPLATE = """
+<mujoco>
+  <extension>
+    <plugin plugin="mujoco_impact.waveform">
+      <instance name="impact">{config}</instance>
+    </plugin>
+  </extension>
+  <option {option}/>
+  <worldbody>
+    <geom name="floor" type="plane" size="1 1 .1"/>
+    <body pos="0 0 1"><freejoint/><geom name="a" size=".1" margin="-.01" gap=".1"/></body>
+    <body pos="0 0 2"><freejoint/><geom name="b" size=".1" margin="-.01" gap=".1"/></body>
+    <body pos="0 0 3"><freejoint/><geom name="c" size=".1" margin="-.01" gap=".1"/></body>
+  </worldbody>
+  <custom>
+    <tuple name="impact">
+      <element objtype="geom" objname="a"/>
+      <element objtype="geom" objname="b"/>
+      <element objtype="{third}" objname="{third_name}"/>
+    </tuple>
+  </custom>
+</mujoco>
+"""
+
+CALIBRATED = {"law": "calibrated", "alpha": "1 1", "sh": "190"}
+
+
+def compile_with(config, option="", third=("geom", "c")):
+    lines = "".join(f'<config key="{k}" value="{v}"/>' for k, v in config.items())
+    return mujoco.MjModel.from_xml_string(
+        TEMPLATE.format(
+            config=lines, option=option, third=third[0], third_name=third[1]
+        )
+    )
+
+
+@pytest.mark.parametrize(
+    ("config", "name", "allowed"),
+    [
+        ({"law": "hooke"}, "law", "'hertz' or 'calibrated'"),
+        ({"young": "-1"}, "young", "> 0 [Pa]"),
+        ({"young": "nan"}, "young", "> 0 [Pa]"),
+        ({"young": "2e11x"}, "young", "> 0 [Pa]"),
+        ({"young": "1 2"}, "young", "> 0 [Pa]"),
+        ({"poisson": "0.6"}, "poisson", "(-1, 0.5]"),
+        ({"restitution": "1.1"}, "restitution", "[0, 1]"),
+        ({"restitution": "inf"}, "restitution", "[0, 1]"),
+        ({"dissipation": "none"}, "dissipation", "'bistiffness' or 'viscous'"),
+        ({"dissipation": "viscous", "restitution": "0"}, "restitution", "[0.05, 1]"),
+        ({"duration": "long"}, "duration", "'hertz', 'paper' or"),
+        ({"duration": "0"}, "duration", "> 0 [s]"),
+        ({"touch": "-1e-9"}, "touch", ">= 0 [m]"),
+        ({"passive": "yes"}, "passive", "'true' or 'false'"),
+        ({"alpha": "1 1"}, "alpha", "law = 'calibrated'"),
+        (CALIBRATED | {"alpha": "1 1 1"}, "alpha", "3 given, 2 needed"),
+        (CALIBRATED | {"alpha": ""}, "alpha", "0 given, 2 needed"),
+        (CALIBRATED | {"alpha": "1 x"}, "alpha", "one finite number >= 0"),
+        (CALIBRATED | {"alpha": "1 -1"}, "alpha", "one finite number >= 0"),
+        ({"law": "calibrated", "alpha": "1 1"}, "sh", "> 0"),
+        (CALIBRATED | {"sh": "0"}, "sh", "> 0"),
+        (CALIBRATED | {"sw": "-1"}, "sw", ">= 0"),
+        (CALIBRATED | {"w0": "0"}, "w0", "> 0 [s]"),
+        (CALIBRATED | {"kappa": "-1"}, "kappa", ">= 0"),
+        (CALIBRATED | {"e": "2"}, "e", "[0, 1]"),
+    ],
+)
+def test_refused_with_attribute_value_and_what_is_allowed(config, name, allowed):
+    with pytest.raises(ValueError, match=f"attribute '{name}' = ") as refusal:
+        compile_with(config)
+    value = config.get(name, "")
+    assert f"'{name}' = '{value}'" in str(refusal.value)
+    assert allowed in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    "config",
+    [
+        {},
+        {"law": "hertz", "restitution": "0", "young": "1e5", "poisson": "0.5"},
+        {"dissipation": "viscous", "restitution": "0.05"},
+        {"duration": "paper", "w0": "7.5e-3", "sw": "0.5", "kappa": "1"},
+        {"duration": "7.5e-3", "touch": "0", "passive": "false"},
+        CALIBRATED | {"sw": "0.4", "e": "0.5", "duration": "hertz"},
+    ],
+)
+def test_good_settings_compile(config):
+    assert compile_with(config).nplugin == 1
+
+
+def test_an_unknown_attribute_is_refused():
+    with pytest.raises(ValueError, match="unrecognized attribute"):
+        compile_with({"stiffness": "1"})
+
+
+def test_a_tuple_of_something_else_is_refused():
+    with pytest.raises(ValueError, match="geoms only"):
+        compile_with({}, third=("body", "world"))
+
+
+@pytest.mark.parametrize(
+    ("flags", "word"),
+    [
+        ('<flag spring="disable" damper="disable"/>', "passive forces are off"),
+        ('<flag override="enable"/>', "override"),
+    ],
+)
+def test_options_that_would_silence_the_plugin_are_refused(flags, word):
+    xml = TEMPLATE.format(config="", option="", third="geom", third_name="c")
+    with pytest.raises(ValueError, match=word):
+        mujoco.MjModel.from_xml_string(
+            xml.replace("<option />", f"<option>{flags}</option>")
+        )

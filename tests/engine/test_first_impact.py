@@ -1,0 +1,93 @@
+"""Velocities after the first impact against published integrations of the Hertz law."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from mujoco_impact import metrics, reference
+
+import cradle_models
+
+from scenes import INTEGRATORS, pendulums
+
+# scipy DOP853 (rtol 1e-12, atol 1e-14, event restart) of straight rows of steel balls,
+# A 115 g / 15.0 mm, B 230 g / 19.05 mm; velocities over that of the incoming ball
+HERTZ = {
+    "AAA": [-0.070952353650, 0.076403039070, 0.994549314580],
+    "AAAAA": [
+        -0.071085017087,
+        -0.030273764097,
+        -0.014463629032,
+        0.127044986068,
+        0.988777424147,
+    ],
+    "BAA": [0.161981, 0.316976, 1.359062],
+    "ABA": [-0.361986, 0.249614, 0.862758],
+    "BAB": [-0.136123, 0.355828, 0.958209],
+}
+
+# the same of the Liu-Zhao-Brogliato law, bi-stiffness, e = .9
+LOSSY = {
+    "AAA": [-0.008615356155, 0.104142798515, 0.904472557640],
+    "AAAAA": [
+        -0.008670629407,
+        0.023776871553,
+        0.033065561424,
+        0.124262570389,
+        0.827565626040,
+    ],
+    "BAA": [0.216060, 0.324584, 1.243297],
+    "ABA": [-0.291007688834, 0.253107331182, 0.784793026469],
+    "BAB": [-0.057816, 0.371930, 0.871851],
+}
+
+
+# On arms of 1 m a row of pendulums is a straight row to 5e-5 v0: 2/5 (r/L)^2 of inertia.
+# On arms of .3 m it is not, up to 5.6e-4 for BAB; test_row_accuracy compares those with
+# the reference of the same pendulums.
+LENGTH = 1.0
+
+
+def after_first_impact(pattern, integrator, timestep, **options):
+    """Returns the velocities 100 ms after the impact, flown back to it, over v0."""
+    model, data = pendulums(
+        pattern, integrator=integrator, timestep=timestep, length=LENGTH, **options
+    )
+    times, angles, velocities = [0.0], [data.qpos.copy()], [data.qvel.copy()]
+    for _ in range(round(0.7 / timestep)):
+        mujoco.mj_step(model, data)
+        times.append(data.time)
+        angles.append(data.qpos.copy())
+        velocities.append(data.qvel.copy())
+    chain = reference.Chain.of(cradle_models.balls(pattern), length=LENGTH)
+    samples = (np.array(times), np.array(angles), np.array(velocities))
+    if integrator != "RK4":
+        samples = metrics.euler_half_step(*samples, chain, timestep=timestep)
+    return metrics.velocity_after_first_impact(*samples, chain)
+
+
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize(("timestep", "tolerance"), [(0.002, 5e-4), (0.005, 2e-3)])
+@pytest.mark.parametrize("pattern", HERTZ)
+def test_elastic_rows_leave_the_impact_as_hertz_says(
+    pattern, integrator, timestep, tolerance
+):
+    left = after_first_impact(pattern, integrator, timestep)
+    assert np.abs(left - HERTZ[pattern]).max() < tolerance
+
+
+@pytest.mark.parametrize("pattern", LOSSY)
+def test_bistiffness_rows_leave_the_impact_as_lzb_says(pattern):
+    left = after_first_impact(pattern, "Euler", 0.002, restitution=0.9)
+    assert np.abs(left - LOSSY[pattern]).max() < 1e-3
+
+
+def test_the_error_falls_with_the_square_of_the_timestep():
+    errors = [
+        np.abs(after_first_impact("AAA", "Euler", h) - HERTZ["AAA"]).max()
+        for h in (0.01, 0.005, 0.0025)
+    ]
+    # second order divides by 4; where in the step the impact falls moves that by up to 2
+    assert errors[0] > 1.8 * errors[1] > 1.8**2 * errors[2]
