@@ -19,7 +19,9 @@ def requirements(text: str) -> list[str]:
     extras = project.get("optional-dependencies", {})
     # dm_control and peers are heavy: only the tests that need them install them
     wanted = [extra for extra in extras if extra not in OPTIONAL]
-    return project["dependencies"] + [line for extra in wanted for line in extras[extra]]
+    return project["dependencies"] + [
+        line for extra in wanted for line in extras[extra]
+    ]
 
 
 OPTIONAL = ("peers",)

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "law/impact_clock.h"
+#include "law/window.h"
 
 namespace mujoco_impact::law {
 
@@ -32,12 +33,15 @@ class Integrator {
   Integrator(const ImpactProblem& problem, ImpactSolution* solution, double* workspace);
   ImpactReport Run();
 
+  static constexpr int kArrays = 14;
+
  private:
   void EvaluateStage(const double* y, int stage);
   double TryStep(double h);
   double FractionToTurn() const;
   void Accept(double h);
   void UpdatePhases();
+  void MoveWindow();
 
   const ImpactProblem& problem_;
   ImpactSolution& solution_;
@@ -45,6 +49,7 @@ class Integrator {
   const ImpactScale scale_;
   const bool lossless_;
   const bool drops_expansion_;
+  Window window_;
   double t_ = 0;
 
   double *y_, *c_, *rate_;  // state; rate is dy/dt over c: 1, or 1/e² while expanding
@@ -58,10 +63,11 @@ Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution, d
       n_(problem.delassus.size),
       scale_(MeasureScale(problem)),
       lossless_(problem.restitution == 1),
-      drops_expansion_(problem.restitution < kNoExpansion) {
-  double** const arrays[] = {&y_,       &c_,        &rate_,     &y_new_,    &c_new_,
-                             &y_stage_, &force_[0], &force_[1], &force_[2], &force_[3],
-                             &pull_[0], &pull_[1],  &pull_[2],  &pull_[3]};
+      drops_expansion_(problem.restitution < kNoExpansion),
+      window_(problem, *solution, scale_, workspace + kArrays * problem.delassus.size) {
+  double** const arrays[kArrays] = {&y_,       &c_,        &rate_,     &y_new_,    &c_new_,
+                                    &y_stage_, &force_[0], &force_[1], &force_[2], &force_[3],
+                                    &pull_[0], &pull_[1],  &pull_[2],  &pull_[3]};
   for (double** array : arrays) {
     *array = workspace;
     workspace += n_;
@@ -70,47 +76,55 @@ Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution, d
     y_[k] = -problem.gap[k];
     c_[k] = problem.closing_speed[k];
     rate_[k] = 1;
-    solution_.impulse[k] = solution_.moment[k] = 0;
-    solution_.onset[k] = 0;
+    solution_.impulse[k] = solution_.moment[k] = solution_.onset[k] = 0;
+    for (double* force : force_) force[k] = 0;
   }
 }
 
 // F_k = K_k y_k³ᐟ² and the deceleration W F it causes.
 void Integrator::EvaluateStage(const double* y, int stage) {
+  const DelassusMatrix& W = problem_.delassus;
   double* F = force_[stage];
-  for (int k = 0; k < n_; ++k) {
+  for (int i = 0; i < window_.size(); ++i) {
+    const int k = window_[i];
     F[k] = y[k] > 0 ? problem_.stiffness[k] * y[k] * std::sqrt(y[k]) : 0;
   }
-  Multiply(problem_.delassus, F, pull_[stage]);
+  for (int i = 0; i < window_.size(); ++i) pull_[stage][window_[i]] = RowTimes(W, window_[i], F);
 }
 
 // Advances y, c by h into y_new, c_new and returns the error in units of the tolerance.
 double Integrator::TryStep(double h) {
   const double *g1 = pull_[0], *g2 = pull_[1], *g3 = pull_[2], *g4 = pull_[3];
   const double hh = h * h;
-  for (int k = 0; k < n_; ++k) {
+  const int size = window_.size();
+  for (int i = 0; i < size; ++i) {
+    const int k = window_[i];
     y_stage_[k] = y_[k] + rate_[k] * (kNode2 * h * c_[k] - hh * kStage2 * g1[k]);
   }
   EvaluateStage(y_stage_, 1);
-  for (int k = 0; k < n_; ++k) {
-    y_stage_[k] =
-        y_[k] + rate_[k] * (kNode3 * h * c_[k] - hh * (kStage3[0] * g1[k] + kStage3[1] * g2[k]));
+  for (int i = 0; i < size; ++i) {
+    const int k = window_[i];
+    const double g = kStage3[0] * g1[k] + kStage3[1] * g2[k];
+    y_stage_[k] = y_[k] + rate_[k] * (kNode3 * h * c_[k] - hh * g);
   }
   EvaluateStage(y_stage_, 2);
-  for (int k = 0; k < n_; ++k) {
-    y_new_[k] = y_[k] + rate_[k] * (h * c_[k] - hh * (kPosition[0] * g1[k] + kPosition[1] * g2[k] +
-                                                      kPosition[2] * g3[k]));
+  for (int i = 0; i < size; ++i) {
+    const int k = window_[i];
+    const double g = kPosition[0] * g1[k] + kPosition[1] * g2[k] + kPosition[2] * g3[k];
+    y_new_[k] = y_[k] + rate_[k] * (h * c_[k] - hh * g);
   }
   EvaluateStage(y_new_, 3);
   double y_error = 0, c_error = 0;
-  for (int k = 0; k < n_; ++k) {
+  for (int i = 0; i < size; ++i) {
+    const int k = window_[i];
     c_new_[k] = c_[k] - h * (kVelocity[0] * g1[k] + kVelocity[1] * g2[k] + kVelocity[2] * g3[k] +
                              kVelocity[3] * g4[k]);
-    y_error = std::max(y_error,
-                       rate_[k] * std::abs(kPositionError[0] * g1[k] + kPositionError[1] * g2[k] +
-                                           kPositionError[2] * g3[k] + kPositionError[3] * g4[k]));
-    c_error = std::max(c_error, std::abs(kVelocityError[0] * g1[k] + kVelocityError[1] * g2[k] +
-                                         kVelocityError[2] * g3[k] + kVelocityError[3] * g4[k]));
+    const double dy = kPositionError[0] * g1[k] + kPositionError[1] * g2[k] +
+                      kPositionError[2] * g3[k] + kPositionError[3] * g4[k];
+    const double dc = kVelocityError[0] * g1[k] + kVelocityError[1] * g2[k] +
+                      kVelocityError[2] * g3[k] + kVelocityError[3] * g4[k];
+    y_error = std::max(y_error, rate_[k] * std::abs(dy));
+    c_error = std::max(c_error, std::abs(dc));
   }
   return std::max(hh * y_error / scale_.compression, h * c_error / scale_.speed) /
          problem_.tolerance;
@@ -121,7 +135,8 @@ double Integrator::TryStep(double h) {
 double Integrator::FractionToTurn() const {
   const double c_floor = kSpeedFloor * scale_.speed;
   double fraction = 1;
-  for (int k = 0; k < n_; ++k) {
+  for (int i = 0; i < window_.size(); ++i) {
+    const int k = window_[i];
     const bool turned = c_[k] * c_new_[k] < 0 && std::abs(c_new_[k]) > c_floor;
     if (y_new_[k] > 0 && turned) fraction = std::min(fraction, c_[k] / (c_[k] - c_new_[k]));
   }
@@ -130,7 +145,8 @@ double Integrator::FractionToTurn() const {
 
 void Integrator::Accept(double h) {
   const double *F1 = force_[0], *F2 = force_[1], *F3 = force_[2], *F4 = force_[3];
-  for (int k = 0; k < n_; ++k) {
+  for (int i = 0; i < window_.size(); ++i) {
+    const int k = window_[i];
     const double dP = h * (kVelocity[0] * F1[k] + kVelocity[1] * F2[k] + kVelocity[2] * F3[k] +
                            kVelocity[3] * F4[k]);
     if (dP > 0) {
@@ -154,7 +170,8 @@ void Integrator::UpdatePhases() {
   const double e = problem_.restitution;
   const double c_floor = kSpeedFloor * scale_.speed;
   bool dropped = false;
-  for (int k = 0; k < n_; ++k) {
+  for (int i = 0; i < window_.size(); ++i) {
+    const int k = window_[i];
     // within the floor the sign that c is about to have decides
     const double ahead = std::abs(c_[k]) < c_floor ? -pull_[0][k] : c_[k];
     const bool expands = y_[k] > 0 && ahead < 0;
@@ -167,27 +184,29 @@ void Integrator::UpdatePhases() {
   if (dropped) EvaluateStage(y_, 0);
 }
 
+void Integrator::MoveWindow() {
+  if (window_.Move(t_, y_, c_, force_, 4)) EvaluateStage(y_, 0);
+}
+
 ImpactReport Integrator::Run() {
   // first step of a closing: a twentieth of the contact time, then as the error says
   const double first_step = 0.05 * scale_.time;
   double h = first_step;
   ImpactReport report{0, true};
-  if (scale_.speed == 0) return report;
+  MoveWindow();
   EvaluateStage(y_, 0);
   int turns = 0;
-  while (!ImpactIsOver(problem_, scale_, t_, y_, c_)) {
+  while (!IsOver(problem_, scale_, window_, t_, y_, c_)) {
     if (report.steps == kMaxSteps) {
       report.converged = false;
       break;
     }
-    if (!AnyCompressed(n_, y_)) {
-      const double flight = FlyToNextClosing(problem_, t_, y_, c_);
-      if (flight < 0) break;
-      t_ += flight;
+    if (!AnyCompressed(window_, y_)) {
+      if (!FlyToNextClosing(problem_, window_, &t_, y_, c_)) break;
       h = std::min(h, first_step);
     }
     const double error = TryStep(h);
-    const double growth = std::clamp(0.9 * std::pow(error + 1e-10, -0.25), 0.2, 5.0);
+    const double growth = StepGrowth(error, 4);
     if (error > 1) {
       h *= growth;
       continue;
@@ -202,16 +221,17 @@ ImpactReport Integrator::Run() {
     turns = 0;
     Accept(h);
     if (!lossless_) UpdatePhases();
+    MoveWindow();
     h *= growth;
     ++report.steps;
   }
-  std::copy(c_, c_ + n_, solution_.closing_speed);
+  SpeedsAfter(problem_, solution_);
   return report;
 }
 
 }  // namespace
 
-int CompressionWorkspace(int size) { return 14 * size; }
+int CompressionWorkspace(int size) { return (Integrator::kArrays + Window::kArrays) * size; }
 
 ImpactReport IntegrateCompression(const ImpactProblem& problem, ImpactSolution* solution,
                                   double* workspace) {

@@ -1,38 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scales, free flight and the end of an impact: what every integrator of one needs.
+// Step control and the end of an impact: what every integrator of one needs.
 
 #ifndef MUJOCO_IMPACT_LAW_IMPACT_CLOCK_H_
 #define MUJOCO_IMPACT_LAW_IMPACT_CLOCK_H_
 
+#include <algorithm>
+#include <cmath>
+
 #include "law/impact_problem.h"
+#include "law/impact_scale.h"
+#include "law/window.h"
 
 namespace mujoco_impact::law {
-
-// Natural scales of an impact, from the contact that closes fastest.
-struct ImpactScale {
-  double speed;        // c_ref [m/s]; 0: nothing closes
-  double compression;  // y_ref [m]
-  double time;         // shortest contact time T at c_ref of all contacts [s]
-};
-
-ImpactScale MeasureScale(const ImpactProblem& problem);
 
 // Contacts whose compression and closing speed are below these parts of the scale are over. An
 // exact zero would cost 50 times the steps for the same impulses.
 constexpr double kCompressionFloor = 1e-5;
 constexpr double kSpeedFloor = 1e-6;
 
-// Whether every contact has opened or will not close before the horizon; t is the time now.
-bool ImpactIsOver(const ImpactProblem& problem, const ImpactScale& scale, double t,
-                  const double* compression, const double* closing_speed);
+// Whether every contact has opened, or will not close before the horizon; y, c at time t.
+bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Window& window, double t,
+            const double* y, const double* c);
 
-// Whether any contact is compressed.
-bool AnyCompressed(int size, const double* compression);
+bool AnyCompressed(const Window& window, const double* y);
 
-// Flies all contacts to the next closing and returns the time that took, or −1 if none closes
-// before the horizon. No contact may be compressed.
-double FlyToNextClosing(const ImpactProblem& problem, double t, double* compression,
-                        const double* closing_speed);
+// Flies to the next closing, no contact being compressed; false if none comes before the horizon.
+bool FlyToNextClosing(const ImpactProblem& problem, const Window& window, double* t, double* y,
+                      const double* c);
+
+// Factor for the next step after one with this error (in units of the tolerance) of a method whose
+// error is of the given order in the step; 4 or 5.
+inline double StepGrowth(double error, int order) {
+  const double root =
+      order == 4 ? std::sqrt(std::sqrt(error + 1e-10)) : std::pow(error + 1e-10, 1.0 / order);
+  return std::clamp(0.9 / root, 0.2, 5.0);
+}
+
+// c − W P, the closing speeds that the impulses of the solution leave.
+void SpeedsAfter(const ImpactProblem& problem, ImpactSolution& solution);
 
 }  // namespace mujoco_impact::law
 

@@ -56,13 +56,16 @@ struct ImpactReport {
   bool converged;  // false: the step limit was reached before all contacts had opened
 };
 
+// Row k of W times x.
+inline double RowTimes(const DelassusMatrix& W, int k, const double* x) {
+  double sum = 0;
+  for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) sum += W.value[a] * x[W.column[a]];
+  return sum;
+}
+
 // y = W x
 inline void Multiply(const DelassusMatrix& W, const double* x, double* y) {
-  for (int i = 0; i < W.size; ++i) {
-    double sum = 0;
-    for (int a = W.row_start[i]; a < W.row_start[i + 1]; ++a) sum += W.value[a] * x[W.column[a]];
-    y[i] = sum;
-  }
+  for (int k = 0; k < W.size; ++k) y[k] = RowTimes(W, k, x);
 }
 
 }  // namespace mujoco_impact::law

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "law/impact_clock.h"
+#include "law/window.h"
 
 namespace mujoco_impact::law {
 
@@ -32,7 +33,10 @@ class Integrator {
   Integrator(const ImpactProblem& problem, ImpactSolution* solution, double* workspace);
   ImpactReport Run();
 
+  static constexpr int kArrays = 4 + 3 * kStages;
+
  private:
+  void MoveWindow();
   void EvaluateStage(const double* y, const double* c, int stage);
   void CombineStages(double h, int stage);
   double TryStep(double h);
@@ -43,6 +47,7 @@ class Integrator {
   const int n_;
   const ImpactScale scale_;
   const double damping_;  // x / c_ref [s/m]
+  Window window_;
   double t_ = 0;
   double *y_, *c_, *y_new_, *c_new_;
   double *force_[kStages], *pull_[kStages], *speed_[kStages];  // F, W F, c at the stages
@@ -53,7 +58,8 @@ Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution, d
       solution_(*solution),
       n_(problem.delassus.size),
       scale_(MeasureScale(problem)),
-      damping_(scale_.speed > 0 ? ViscousDamping(problem.restitution) / scale_.speed : 0) {
+      damping_(scale_.speed > 0 ? ViscousDamping(problem.restitution) / scale_.speed : 0),
+      window_(problem, *solution, scale_, workspace + kArrays * problem.delassus.size) {
   const auto take = [&workspace, this] {
     double* array = workspace;
     workspace += n_;
@@ -73,22 +79,26 @@ Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution, d
     c_[k] = problem.closing_speed[k];
     solution_.impulse[k] = solution_.moment[k] = 0;
     solution_.onset[k] = 0;
+    for (double* force : force_) force[k] = 0;
   }
 }
 
 // F_k = K_k y_k³ᐟ² (1 + x c_k/c_ref), never attracting.
 void Integrator::EvaluateStage(const double* y, const double* c, int stage) {
+  const DelassusMatrix& W = problem_.delassus;
   double* F = force_[stage];
-  for (int k = 0; k < n_; ++k) {
+  for (int i = 0; i < window_.size(); ++i) {
+    const int k = window_[i];
     const double loss = std::max(0.0, 1 + damping_ * c[k]);
     F[k] = y[k] > 0 ? problem_.stiffness[k] * y[k] * std::sqrt(y[k]) * loss : 0;
     speed_[stage][k] = c[k];
   }
-  Multiply(problem_.delassus, F, pull_[stage]);
+  for (int i = 0; i < window_.size(); ++i) pull_[stage][window_[i]] = RowTimes(W, window_[i], F);
 }
 
 void Integrator::CombineStages(double h, int stage) {
-  for (int k = 0; k < n_; ++k) {
+  for (int i = 0; i < window_.size(); ++i) {
+    const int k = window_[i];
     double dy = 0, dc = 0;
     for (int j = 0; j < stage; ++j) {
       dy += kCombine[stage][j] * speed_[j][k];
@@ -106,7 +116,8 @@ double Integrator::TryStep(double h) {
     EvaluateStage(y_new_, c_new_, stage);
   }
   double error = 0;
-  for (int k = 0; k < n_; ++k) {
+  for (int i = 0; i < window_.size(); ++i) {
+    const int k = window_[i];
     double dy = 0, dc = 0;
     for (int j = 0; j < kStages; ++j) {
       dy += kError[j] * speed_[j][k];
@@ -119,7 +130,8 @@ double Integrator::TryStep(double h) {
 }
 
 void Integrator::Accept(double h) {
-  for (int k = 0; k < n_; ++k) {
+  for (int i = 0; i < window_.size(); ++i) {
+    const int k = window_[i];
     double dP = 0, dM = 0;
     for (int j = 0; j < kStages - 1; ++j) {
       const double weighted = kCombine[kStages - 1][j] * h * force_[j][k];
@@ -140,31 +152,34 @@ void Integrator::Accept(double h) {
   t_ += h;
 }
 
+void Integrator::MoveWindow() {
+  if (window_.Move(t_, y_, c_, force_, kStages)) EvaluateStage(y_, c_, 0);
+}
+
 ImpactReport Integrator::Run() {
   const double first_step = 0.05 * scale_.time;
   double h = first_step;
   ImpactReport report{0, true};
-  if (scale_.speed == 0) return report;
+  MoveWindow();
   EvaluateStage(y_, c_, 0);
-  while (!ImpactIsOver(problem_, scale_, t_, y_, c_)) {
+  while (!IsOver(problem_, scale_, window_, t_, y_, c_)) {
     if (report.steps == kMaxSteps) {
       report.converged = false;
       break;
     }
-    if (!AnyCompressed(n_, y_)) {
-      const double flight = FlyToNextClosing(problem_, t_, y_, c_);
-      if (flight < 0) break;
-      t_ += flight;
+    if (!AnyCompressed(window_, y_)) {
+      if (!FlyToNextClosing(problem_, window_, &t_, y_, c_)) break;
       h = std::min(h, first_step);
     }
     const double error = TryStep(h);
     if (error <= 1) {
       Accept(h);
+      MoveWindow();
       ++report.steps;
     }
-    h *= std::clamp(0.9 * std::pow(error + 1e-10, -0.2), 0.2, 5.0);
+    h *= StepGrowth(error, 5);
   }
-  std::copy(c_, c_ + n_, solution_.closing_speed);
+  SpeedsAfter(problem_, solution_);
   return report;
 }
 
@@ -184,7 +199,7 @@ double ViscousDamping(double restitution) {
   return 0.5 * (low + high);
 }
 
-int ViscousWorkspace(int size) { return (4 + 3 * kStages) * size; }
+int ViscousWorkspace(int size) { return (Integrator::kArrays + Window::kArrays) * size; }
 
 ImpactReport IntegrateViscous(const ImpactProblem& problem, ImpactSolution* solution,
                               double* workspace) {

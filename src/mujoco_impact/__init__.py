@@ -11,9 +11,9 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 # before anything that imports MuJoCo: MuJoCo 4 asks for `load` while it is imported
-from mujoco_impact._plugin import load
+from mujoco_impact._plugin import load, load_or_warn
 
-load()
+load_or_warn()
 
 from mujoco_impact.errors import ImpactError  # noqa: E402
 from mujoco_impact.runner import run  # noqa: E402

@@ -18,13 +18,14 @@ from rich.progress import Progress, SpinnerColumn, TextColumn
 
 import cradle_models
 from mujoco_impact import tables
-from mujoco_impact.compare import Comparison
 from mujoco_impact.compare import compare as compare_scene
+from mujoco_impact.comparison import Comparison
 from mujoco_impact.doctor import diagnose
 from mujoco_impact.errors import ConfigError, ImpactError, SceneError
+from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.plot import plot_comparison
 from mujoco_impact.runner import run as run_model
-from mujoco_impact.scene import attach, owned_geoms
+from mujoco_impact.scene import attach
 from mujoco_impact.source import read_spec
 from mujoco_impact.trajectory import Trajectory
 

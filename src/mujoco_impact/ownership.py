@@ -14,6 +14,7 @@ from collections.abc import Iterable, Sequence
 import mujoco
 import numpy as np
 
+from mujoco_impact._plugin import PLUGIN_NAME
 from mujoco_impact.errors import SceneError
 
 GAP_SIZE_FRACTION = 0.5
@@ -47,6 +48,21 @@ def select_geoms(spec: mujoco.MjSpec, names: Iterable[str] | None) -> tuple[str,
     wanted = (names,) if isinstance(names, str) else tuple(names)
     _check_names(spec, wanted, paired)
     return wanted
+
+
+def owned_geoms(spec: mujoco.MjSpec) -> dict[str, tuple[str, ...] | None]:
+    """Returns the geoms of each plugin instance of a scene.
+
+    Returns:
+        Names of the owned geoms by instance name; None for an instance without a
+        tuple, which owns every geom.
+    """
+    tuples = {element.name: tuple(element.objname) for element in spec.tuples}
+    return {
+        plugin.name: tuples.get(plugin.name)
+        for plugin in spec.plugins
+        if plugin.plugin_name == PLUGIN_NAME
+    }
 
 
 def set_margins(

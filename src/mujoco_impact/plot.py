@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
-from mujoco_impact.compare import OURS, Comparison, row_samples
+from mujoco_impact.compare import row_samples
+from mujoco_impact.comparison import OURS, Comparison
 from mujoco_impact.errors import MissingExtraError
 from mujoco_impact.trajectory import Array, Trajectory
 

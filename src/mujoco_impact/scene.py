@@ -12,11 +12,13 @@ from mujoco_impact.errors import ConfigError, SceneError
 from mujoco_impact.ownership import (
     default_gap,
     fall_speed,
+    owned_geoms,
     round_up,
     select_geoms,
     set_margins,
     smallest_size,
 )
+from mujoco_impact.scene_checks import check_name, check_options, check_owned
 from mujoco_impact.settings import Setting, attributes
 from mujoco_impact.source import Source, compile_spec, read_spec
 
@@ -43,7 +45,8 @@ def attach(
 
     Adds a plugin instance with its settings, a `<tuple>` of the owned geoms and a
     sensor (all three called `name`), and gives the owned geoms a negative margin, so
-    that MuJoCo detects their contacts and leaves them out of its solver.
+    that MuJoCo detects their contacts and leaves them out of its solver. Impulses act
+    along the normal: there is no friction during an impact.
 
     Args:
         source: Path of a model file, XML text, or a specification (not changed).
@@ -74,10 +77,10 @@ def attach(
     for label, length in (("gap", gap), ("depth", depth)):
         _check_length(label, length)
     spec = read_spec(source)
-    _check_options(spec)
-    _check_name(spec, name)
+    check_options(spec)
+    check_name(spec, name)
     owned = select_geoms(spec, geoms)
-    _check_owned(spec, owned)
+    check_owned(spec, owned)
     _add_instance(spec, name, owned, config)
     # lengths of the scene are known once it is compiled, with any valid margin
     set_margins(spec, owned, gap=1.0, depth=1.0)
@@ -124,21 +127,6 @@ def detach(source: Source) -> mujoco.MjSpec:
         },
     )
     return spec
-
-
-def owned_geoms(spec: mujoco.MjSpec) -> dict[str, tuple[str, ...] | None]:
-    """Returns the geoms of each plugin instance of a scene.
-
-    Returns:
-        Names of the owned geoms by instance name; None for an instance without a
-        tuple, which owns every geom.
-    """
-    tuples = {element.name: tuple(element.objname) for element in spec.tuples}
-    return {
-        plugin.name: tuples.get(plugin.name)
-        for plugin in spec.plugins
-        if plugin.plugin_name == PLUGIN_NAME
-    }
 
 
 def _add_instance(
@@ -211,92 +199,6 @@ def _check_length(label: str, length: float | None) -> None:
     if not (isinstance(length, int | float) and math.isfinite(length) and length > 0):
         msg = f"{label} = {length!r}: must be a length > 0 [m]"
         raise ConfigError(msg)
-
-
-def _check_options(spec: mujoco.MjSpec) -> None:
-    """Raises SceneError if global options switch our contacts off or to MuJoCo."""
-    disabled = mujoco.mjtDisableBit
-    flags = spec.option.disableflags
-    for bit, flag in (
-        (disabled.mjDSBL_CONTACT, "contact"),
-        (disabled.mjDSBL_CONSTRAINT, "constraint"),
-    ):
-        if flags & bit:
-            msg = f'the scene has <flag {flag}="disable"/>: MuJoCo finds no contacts'
-            raise SceneError(msg)
-    if flags & disabled.mjDSBL_SPRING and flags & disabled.mjDSBL_DAMPER:
-        msg = (
-            'the scene has <flag spring="disable" damper="disable"/>: MuJoCo then '
-            "calls no passive plugin, and the owned geoms would pass through each other"
-        )
-        raise SceneError(msg)
-    if spec.option.enableflags & mujoco.mjtEnableBit.mjENBL_OVERRIDE:
-        msg = (
-            'the scene has <flag override="enable"/>: it replaces the margins that '
-            "keep our contacts out of MuJoCo's solver"
-        )
-        raise SceneError(msg)
-
-
-def _check_name(spec: mujoco.MjSpec, name: str) -> None:
-    """Raises SceneError if the name is empty or in use."""
-    if not name:
-        msg = "name must not be empty: it is how the plugin finds its geoms"
-        raise SceneError(msg)
-    for kind, elements in (
-        ("plugin instance", spec.plugins),
-        ("tuple", spec.tuples),
-        ("sensor", spec.sensors),
-    ):
-        if any(element.name == name for element in elements):
-            msg = f"the scene already has a {kind} {name!r}: give another name="
-            raise SceneError(msg)
-
-
-def _check_owned(spec: mujoco.MjSpec, owned: Sequence[str]) -> None:
-    """Raises SceneError if geoms cannot be given to a further plugin instance."""
-    for instance, names in owned_geoms(spec).items():
-        shared = owned if names is None else sorted(set(owned) & set(names))
-        if shared:
-            msg = (
-                f"the plugin instance {instance!r} of the scene already owns "
-                f"{', '.join(shared)}"
-            )
-            raise SceneError(msg)
-    geoms = [geom for geom in spec.geoms if geom.name in set(owned)]
-    for geom in geoms:
-        if geom.adhesion:
-            msg = (
-                f"geom {geom.name!r} has adhesion {geom.adhesion}: MuJoCo then "
-                "solves its contacts itself; set it to 0 or own other geoms"
-            )
-            raise SceneError(msg)
-    _check_pairs(spec, owned)
-    _check_flexes(spec, geoms)
-
-
-def _check_pairs(spec: mujoco.MjSpec, owned: Sequence[str]) -> None:
-    """Raises SceneError if an owned geom is in a pair with adhesion."""
-    for pair in spec.pairs:
-        if pair.adhesion and {pair.geomname1, pair.geomname2} & set(owned):
-            msg = (
-                f"the pair of {pair.geomname1!r} and {pair.geomname2!r} has adhesion "
-                f"{pair.adhesion}: MuJoCo then solves its contacts itself"
-            )
-            raise SceneError(msg)
-
-
-def _check_flexes(spec: mujoco.MjSpec, geoms: Sequence[mujoco.MjsGeom]) -> None:
-    """Raises SceneError if an owned geom can touch a flex, which has no geoms."""
-    for flex in spec.flexes:
-        for geom in geoms:
-            if geom.contype & flex.conaffinity or flex.contype & geom.conaffinity:
-                msg = (
-                    f"geom {geom.name!r} can touch the flex {flex.name!r}, which is "
-                    "not supported: separate them by contype and conaffinity, or own "
-                    "other geoms"
-                )
-                raise SceneError(msg)
 
 
 def _clear_margins(spec: mujoco.MjSpec, names: set[str]) -> None:

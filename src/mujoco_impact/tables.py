@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from rich.table import Table
 from rich.text import Text
 
-from mujoco_impact.compare import OURS, Comparison
+from mujoco_impact.comparison import OURS, Comparison
 from mujoco_impact.doctor import Check
 from mujoco_impact.trajectory import Impact, Trajectory
 

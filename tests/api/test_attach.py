@@ -11,7 +11,8 @@ import pytest
 
 from mujoco_impact import attach
 from mujoco_impact.errors import ConfigError, ImpactError, SceneError
-from mujoco_impact.scene import detach, owned_geoms
+from mujoco_impact.ownership import owned_geoms
+from mujoco_impact.scene import detach
 
 FREE_BALL = """
 <mujoco>{head}

@@ -91,7 +91,9 @@ def free_row(
     return model, data
 
 
-def step_to_impact(model: mujoco.MjModel, data: mujoco.MjData, limit: int = 5000) -> None:
+def step_to_impact(
+    model: mujoco.MjModel, data: mujoco.MjData, limit: int = 5000
+) -> None:
     for _ in range(limit):
         mujoco.mj_step(model, data)
         if header(model, data).count:

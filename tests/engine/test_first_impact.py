@@ -66,8 +66,6 @@ def after_first_impact(pattern, integrator, timestep, **options):
     return metrics.velocity_after_first_impact(*samples, chain)
 
 
-
-
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize(("timestep", "tolerance"), [(0.002, 5e-4), (0.005, 2e-3)])
 @pytest.mark.parametrize("pattern", HERTZ)

@@ -89,7 +89,9 @@ def test_forward_before_a_step_changes_nothing(integrator, duration):
 def test_step1_and_step2_are_a_step(integrator):
     """Under RK4 mj_step2 integrates with Euler; the correction follows."""
     model, data = pendulums("AAA", integrator=integrator)
-    other, twin = pendulums("AAA", integrator="Euler" if integrator == "RK4" else integrator)
+    other, twin = pendulums(
+        "AAA", integrator="Euler" if integrator == "RK4" else integrator
+    )
     for _ in range(200):
         mujoco.mj_step1(model, data)
         mujoco.mj_step2(model, data)

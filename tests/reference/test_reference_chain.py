@@ -113,6 +113,14 @@ def test_releasing_lifts_to_the_left_as_the_models_do() -> None:
         (lambda: reference.first_impact([1], [1]), ("1 masses", "2 or more")),
         (lambda: reference.first_impact([1, 1], [1, -1]), ("above 0",)),
         (
+            lambda: reference.first_impact([1, 1], [1, 1], gap=-1e-6),
+            ("-1e-06", "at least 0"),
+        ),
+        (
+            lambda: reference.first_impact([1, 1, 1], [1, 1, 1], gap=[0, 0, 0]),
+            ("[0, 0, 0]", "or 2"),
+        ),
+        (
             lambda: reference.first_impact([1, 1], [1, 1], n_incoming=2),
             ("n_incoming", "2"),
         ),

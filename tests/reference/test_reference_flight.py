@@ -140,3 +140,17 @@ def test_a_short_dip_between_two_samples_is_found() -> None:
 def test_one_ball_touches_nothing() -> None:
     chain = reference.Chain.of(cm.balls("A"))
     assert reference.time_to_contact(chain, np.ones(1), np.ones(1), 5.0) is None
+
+
+@pytest.mark.parametrize(
+    ("gap", "speed"), [(-1e-6, -0.01), (-1e-6, 0.0), (-1.5e-14, 1.0), (0.0, 1.0)]
+)
+def test_balls_that_press_at_the_start_are_in_contact_at_once(
+    gap: float, speed: float
+) -> None:
+    chain = reference.Chain.of(cm.balls("AB"), gap=gap)
+    closing = np.array([speed, -speed])
+    found = reference.time_to_contact(chain, np.zeros(2), closing, 1.0)
+    # Touching balls are pressed by 1e-14 m that much later.
+    assert found is not None
+    assert 0 <= found < 1e-13

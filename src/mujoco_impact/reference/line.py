@@ -96,7 +96,7 @@ def first_impact(
     Raises:
         ChainError: A parameter lies outside its range.
     """
-    _check(masses, radii, n_incoming, speed, restitution, dissipation, rtol)
+    _check(masses, radii, gap, n_incoming, speed, restitution, dissipation, rtol)
     mass = np.array(masses, dtype=float)
     stiffness = np.array(
         [
@@ -224,6 +224,7 @@ class _Row:
 def _check(
     masses: Sequence[float],
     radii: Sequence[float],
+    gap: float | Sequence[float],
     n_incoming: int,
     speed: float,
     restitution: float,
@@ -237,6 +238,11 @@ def _check(
         )
     if min(masses) <= 0 or min(radii) <= 0 or speed <= 0:
         raise ChainError("masses, radii and speed must be above 0")
+    gaps = np.atleast_1d(np.asarray(gap, dtype=float))
+    if gaps.shape not in ((1,), (len(masses) - 1,)) or not (gaps >= 0).all():
+        raise ChainError(
+            f"gap = {gap}; allowed: one number of at least 0, or {len(masses) - 1}"
+        )
     if not 1 <= n_incoming < len(masses):
         raise ChainError(f"n_incoming = {n_incoming}; allowed: 1 to {len(masses) - 1}")
     if not 0 < restitution <= 1:

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "law/window.h"
+
+#include <utility>
+
+namespace mujoco_impact::law {
+
+namespace {
+
+// Small islands are integrated whole; in larger ones only the contacts near a force.
+constexpr int kWholeIsland = 8;
+
+// Parts of the scale from which a closing or a compression matters to the neighbours: ahead of a
+// wave motion dies away faster than exponentially, but never to zero, and behind it contacts keep
+// a trace of compression. The force of either is below 1e-9 of that of the impact.
+constexpr double kNoticeableSpeed = 1e-9;
+constexpr double kNoticeableCompression = 1e-6;
+
+}  // namespace
+
+Window::Window(const ImpactProblem& problem, const ImpactSolution& solution,
+               const ImpactScale& scale, double* workspace)
+    : problem_(problem),
+      solution_(solution),
+      scale_(scale),
+      whole_(problem.delassus.size <= kWholeIsland) {
+  const int n = problem.delassus.size;
+  double** const arrays[kArrays] = {&member_, &previous_, &seen_,         &t_left_,
+                                    &y_left_, &c_left_,   &impulse_left_, &moment_left_};
+  for (double** array : arrays) {
+    *array = workspace;
+    workspace += n;
+  }
+  for (int k = 0; k < n; ++k) {
+    seen_[k] = -1;
+    t_left_[k] = impulse_left_[k] = moment_left_[k] = 0;
+    y_left_[k] = -problem.gap[k];
+    c_left_[k] = problem.closing_speed[k];
+    if (whole_ || c_left_[k] > 0) member_[size_++] = k;
+  }
+}
+
+void Window::NeighbourSums(int k, double* impulse, double* moment) const {
+  const DelassusMatrix& W = problem_.delassus;
+  *impulse = *moment = 0;
+  for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
+    *impulse += W.value[a] * solution_.impulse[W.column[a]];
+    *moment += W.value[a] * solution_.moment[W.column[a]];
+  }
+}
+
+void Window::Enter(int k, double t, double* y, double* c) {
+  double impulse, moment;
+  NeighbourSums(k, &impulse, &moment);
+  const double dP = impulse - impulse_left_[k], dM = moment - moment_left_[k];
+  c[k] = c_left_[k] - dP;
+  y[k] = y_left_[k] + c_left_[k] * (t - t_left_[k]) - (t * dP - dM);
+}
+
+void Window::Leave(int k, double t, const double* y, const double* c) {
+  NeighbourSums(k, &impulse_left_[k], &moment_left_[k]);
+  t_left_[k] = t;
+  y_left_[k] = y[k];
+  c_left_[k] = c[k];
+}
+
+bool Window::Move(double t, double* y, double* c, double* const* forces, int force_arrays) {
+  if (whole_) return false;
+  bool entered = false;
+  const DelassusMatrix& W = problem_.delassus;
+  const double y_floor = kNoticeableCompression * scale_.compression;
+  const double c_floor = kNoticeableSpeed * scale_.speed;
+  const int before = size_;
+  std::swap(member_, previous_);
+  size_ = 0;
+  ++generation_;
+  // previous members carry an odd mark until they are taken again
+  for (int i = 0; i < before; ++i) seen_[static_cast<int>(previous_[i])] = 2 * generation_ - 1;
+  for (int i = 0; i < before; ++i) {
+    const int k = static_cast<int>(previous_[i]);
+    if (y[k] <= y_floor && c[k] <= c_floor) continue;
+    for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
+      const int l = W.column[a];
+      if (seen_[l] == 2 * generation_) continue;
+      if (seen_[l] != 2 * generation_ - 1) {
+        Enter(l, t, y, c);
+        entered = true;
+      }
+      seen_[l] = 2 * generation_;
+      member_[size_++] = l;
+    }
+  }
+  for (int i = 0; i < before; ++i) {
+    const int k = static_cast<int>(previous_[i]);
+    if (seen_[k] == 2 * generation_) continue;
+    Leave(k, t, y, c);
+    for (int f = 0; f < force_arrays; ++f) forces[f][k] = 0;
+  }
+  return entered;
+}
+
+}  // namespace mujoco_impact::law

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// The part of an island that is integrated.
+
+#ifndef MUJOCO_IMPACT_LAW_WINDOW_H_
+#define MUJOCO_IMPACT_LAW_WINDOW_H_
+
+#include "law/impact_problem.h"
+#include "law/impact_scale.h"
+
+namespace mujoco_impact::law {
+
+// The contacts that are integrated: those that press or close noticeably, and their neighbours. Any
+// other contact feels nothing meanwhile, and is caught up exactly when a force comes near,
+//
+//   c = c_d − Σ W (P − P_d)        y = y_d + c_d (t − t_d) − Σ W (t (P − P_d) − (M − M_d))
+//
+// from the impulses and moments of its neighbours since it was left (index d). So a wave that
+// travels along a row costs as much per ball however long the row is.
+class Window {
+ public:
+  Window(const ImpactProblem& problem, const ImpactSolution& solution, const ImpactScale& scale,
+         double* workspace);
+
+  int size() const { return size_; }
+  int operator[](int i) const { return static_cast<int>(member_[i]); }
+
+  // Lets contacts in and out after a step that ended at t. Clears the forces of those that leave;
+  // true if any came in, whose forces and decelerations are then to be computed.
+  bool Move(double t, double* y, double* c, double* const* forces, int force_arrays);
+
+  static constexpr int kArrays = 8;
+
+ private:
+  void Enter(int k, double t, double* y, double* c);
+  void Leave(int k, double t, const double* y, const double* c);
+  void NeighbourSums(int k, double* impulse, double* moment) const;
+
+  const ImpactProblem& problem_;
+  const ImpactSolution& solution_;
+  const ImpactScale& scale_;
+  const bool whole_;
+  int size_ = 0;
+  double generation_ = 0;
+  double *member_, *previous_, *seen_;  // indices and generations, kept as doubles
+  double *t_left_, *y_left_, *c_left_, *impulse_left_, *moment_left_;
+};
+
+}  // namespace mujoco_impact::law
+
+#endif  // MUJOCO_IMPACT_LAW_WINDOW_H_
