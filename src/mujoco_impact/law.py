@@ -14,7 +14,7 @@ from __future__ import annotations
 import ctypes
 from dataclasses import dataclass
 from functools import cache
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -25,8 +25,8 @@ from mujoco_impact.errors import LawError
 Array = npt.NDArray[np.float64]
 
 _DISSIPATION = {"bistiffness": 0, "viscous": 1}
-_DOUBLES = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
-_INTS = np.ctypeslib.ndpointer(np.int32, flags="C_CONTIGUOUS")
+_DOUBLES: Any = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
+_INTS: Any = np.ctypeslib.ndpointer(np.int32, flags="C_CONTIGUOUS")
 
 _SCALAR_FUNCTIONS = {
     "effective_modulus": 2,

@@ -1,4 +1,4 @@
-"""A bad attribute is refused when the model compiles, with its name, value and range."""
+"""A bad attribute is refused when the model compiles, by name, value and range."""
 
 import mujoco
 import pytest
@@ -15,9 +15,15 @@ TEMPLATE = """
   <option {option}/>
   <worldbody>
     <geom name="floor" type="plane" size="1 1 .1"/>
-    <body pos="0 0 1"><freejoint/><geom name="a" size=".1" margin="-.01" gap=".1"/></body>
-    <body pos="0 0 2"><freejoint/><geom name="b" size=".1" margin="-.01" gap=".1"/></body>
-    <body pos="0 0 3"><freejoint/><geom name="c" size=".1" margin="-.01" gap=".1"/></body>
+    <body pos="0 0 1">
+      <freejoint/><geom name="a" size=".1" margin="-.01" gap=".1"/>
+    </body>
+    <body pos="0 0 2">
+      <freejoint/><geom name="b" size=".1" margin="-.01" gap=".1"/>
+    </body>
+    <body pos="0 0 3">
+      <freejoint/><geom name="c" size=".1" margin="-.01" gap=".1"/>
+    </body>
   </worldbody>
   <custom>
     <tuple name="impact">

@@ -3,12 +3,10 @@
 import mujoco
 import numpy as np
 import pytest
-
-from mujoco_impact import metrics, reference
+from scenes import INTEGRATORS, pendulums
 
 import cradle_models
-
-from scenes import INTEGRATORS, pendulums
+from mujoco_impact import metrics, reference
 
 # scipy DOP853 (rtol 1e-12, atol 1e-14, event restart) of straight rows of steel balls,
 # A 115 g / 15.0 mm, B 230 g / 19.05 mm; velocities over that of the incoming ball
@@ -42,16 +40,20 @@ LOSSY = {
 }
 
 
-# On arms of 1 m a row of pendulums is a straight row to 5e-5 v0: 2/5 (r/L)^2 of inertia.
-# On arms of .3 m it is not, up to 5.6e-4 for BAB; test_row_accuracy compares those with
-# the reference of the same pendulums.
+# On arms of 1 m a row of pendulums is a straight row to 5e-5 v0, by 2/5 (r/L)^2 of the
+# inertia. On arms of .3 m it is not, by up to 5.6e-4 (BAB): test_row_accuracy compares
+# those with the reference of the same pendulums.
 LENGTH = 1.0
 
 
 def after_first_impact(pattern, integrator, timestep, **options):
     """Returns the velocities 100 ms after the impact, flown back to it, over v0."""
     model, data = pendulums(
-        pattern, integrator=integrator, timestep=timestep, length=LENGTH, **options
+        pattern,
+        integrator=integrator,
+        timestep=timestep,
+        length=LENGTH,
+        **options,
     )
     times, angles, velocities = [0.0], [data.qpos.copy()], [data.qvel.copy()]
     for _ in range(round(0.7 / timestep)):
@@ -87,5 +89,5 @@ def test_the_error_falls_with_the_square_of_the_timestep():
         np.abs(after_first_impact("AAA", "Euler", h) - HERTZ["AAA"]).max()
         for h in (0.01, 0.005, 0.0025)
     ]
-    # second order divides by 4; where in the step the impact falls moves that by up to 2
+    # second order divides by 4; where in the step the impact falls halves that at worst
     assert errors[0] > 1.8 * errors[1] > 1.8**2 * errors[2]

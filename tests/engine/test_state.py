@@ -26,15 +26,15 @@ def advance(model, data, steps=STEPS):
     return np.concatenate([[data.time], data.qpos, data.qvel, data.plugin_state])
 
 
-def by_copy(model, data):
+def by_copy(_, data):
     return copy.copy(data)
 
 
-def by_deepcopy(model, data):
+def by_deepcopy(_, data):
     return copy.deepcopy(data)
 
 
-def by_pickle(model, data):
+def by_pickle(_, data):
     return pickle.loads(pickle.dumps(data))
 
 
@@ -133,5 +133,5 @@ def test_threads_agree_bit_for_bit():
 
 def test_plugin_data_stays_null():
     """Pickling MjData copies the raw pointer, so there must be none."""
-    model, data = mid_pulse()
+    _, data = mid_pulse()
     assert not np.any(data.plugin_data)
