@@ -36,51 +36,57 @@ ContactPath::ContactPath(const mjModel* m, const mjData* d, const mjContact& con
                          const Motion& motion)
     : spheres_(IsSphere(m, contact.geom[0]) && IsSphere(m, contact.geom[1])), gap_(contact.dist) {
   mju_copy3(normal_, contact.frame);
-  mjtNum v[2][3], a[2][3];
   for (int i = 0; i < 2; ++i) {
     side_[i] = RepresentativePoint(m, d, contact, i);
     // a contact point slides over any other shape, so the turning of the body does not move it
     const bool turning = IsSphere(m, contact.geom[i]);
-    PointMotion(m, d, side_[i], motion, turning, v[i], a[i]);
+    of_side_[i] = PointMotion(m, d, side_[i], motion, turning);
   }
-  mju_sub3(distance_, side_[1].position, side_[0].position);
-  mju_sub3(velocity_, v[1], v[0]);
-  mju_sub3(acceleration_, a[1], a[0]);
 }
 
-// D(τ) = D + Ḋ τ + D̈ τ²/2
-void ContactPath::Offset(mjtNum tau, mjtNum offset[3]) const {
-  mju_copy3(offset, distance_);
-  mju_addToScl3(offset, velocity_, tau);
-  mju_addToScl3(offset, acceleration_, 0.5 * tau * tau);
+void ContactPath::SideAt(int i, mjtNum tau, mjtNum position[3]) const {
+  mju_copy3(position, side_[i].position);
+  MovePoint(of_side_[i], tau, position);
+}
+
+void ContactPath::Distance(mjtNum tau, mjtNum distance[3]) const {
+  mjtNum first[3];
+  SideAt(0, tau, first);
+  SideAt(1, tau, distance);
+  mju_subFrom3(distance, first);
 }
 
 mjtNum ContactPath::Gap(mjtNum tau) const {
-  mjtNum moved[3];
-  Offset(tau, moved);
-  if (!spheres_) {
-    mju_subFrom3(moved, distance_);
-    return gap_ + mju_dot3(normal_, moved);
-  }
-  // |D(τ)| − |D(0)| without cancellation: (|D(τ)|² − |D(0)|²) / (|D(τ)| + |D(0)|)
-  mjtNum change[3], sum[3];
-  mju_sub3(change, moved, distance_);
-  mju_add3(sum, moved, distance_);
-  return gap_ + mju_dot3(change, sum) / (mju_norm3(moved) + mju_norm3(distance_));
+  mjtNum change[3] = {0, 0, 0}, first[3] = {0, 0, 0};
+  MovePoint(of_side_[1], tau, change);
+  MovePoint(of_side_[0], tau, first);
+  mju_subFrom3(change, first);
+  if (!spheres_) return gap_ + mju_dot3(normal_, change);
+  // |D(τ)| − |D(0)| without cancellation: (D(τ) − D(0))·(D(τ) + D(0)) / (|D(τ)| + |D(0)|)
+  mjtNum before[3], after[3], sum[3];
+  mju_sub3(before, side_[1].position, side_[0].position);
+  mju_add3(after, before, change);
+  mju_add3(sum, before, after);
+  return gap_ + mju_dot3(change, sum) / (mju_norm3(before) + mju_norm3(after));
 }
 
 void ContactPath::Normal(mjtNum tau, mjtNum normal[3]) const {
   mju_copy3(normal, normal_);
   if (!spheres_) return;
-  Offset(tau, normal);
+  Distance(tau, normal);
   mju_normalize3(normal);
 }
 
 mjtNum ContactPath::GapRate(mjtNum tau) const {
-  mjtNum n[3], rate[3];
+  mjtNum n[3], rate[3] = {0, 0, 0};
   Normal(tau, n);
-  mju_copy3(rate, velocity_);
-  mju_addToScl3(rate, acceleration_, tau);
+  for (int i = 0; i < 2; ++i) {
+    const PointDerivatives& x = of_side_[i];
+    const mjtNum sign = i == 0 ? -1 : 1;
+    mju_addToScl3(rate, x.velocity, sign);
+    mju_addToScl3(rate, x.acceleration, sign * tau);
+    mju_addToScl3(rate, x.jerk, sign * tau * tau / 2);
+  }
   return mju_dot3(n, rate);
 }
 

@@ -34,6 +34,9 @@ class ContactPath {
   ContactPath(const mjModel* m, const mjData* d, const mjContact& contact, const Motion& motion);
 
   const BodyPoint& side(int i) const { return side_[i]; }
+
+  // Where the point of a side is at τ.
+  void SideAt(int i, mjtNum tau, mjtNum position[3]) const;
   bool spheres() const { return spheres_; }
 
   mjtNum Gap(mjtNum tau) const;
@@ -46,13 +49,13 @@ class ContactPath {
   bool ClosingTime(mjtNum timestep, mjtNum touch, mjtNum* tau) const;
 
  private:
-  void Offset(mjtNum tau, mjtNum offset[3]) const;
+  void Distance(mjtNum tau, mjtNum distance[3]) const;
 
   BodyPoint side_[2];
   bool spheres_;
   mjtNum gap_;
   mjtNum normal_[3];
-  mjtNum distance_[3], velocity_[3], acceleration_[3];  // D, Ḋ, D̈ at τ = 0
+  PointDerivatives of_side_[2];
 };
 
 }  // namespace mujoco_impact::engine

@@ -30,7 +30,7 @@ void AddPulseRow(const mjModel* m, const mjData* d, const Pulse& pulse, mjtNum* 
     const int last = LastDof(m, point.body);
     if (last < 0) continue;
     mjtNum* segment = row + m->tree_dofadr[m->dof_treeid[last]];
-    AddRow(m, d, point, normal, 0, side == 0 ? -1 : 1, segment);
+    AddRow(m, d, point, point.position, 0, normal, side == 0 ? -1 : 1, segment);
   }
 }
 
@@ -40,10 +40,19 @@ bool ImplicitDamping(const mjModel* m) {
   return m->opt.integrator != mjINT_EULER || !(m->opt.disableflags & mjDSBL_EULERDAMP);
 }
 
+// The impulse by which gravity and springs differ along the bent path, as a force of the step.
+void AddDetour(const mjModel* m, mjData* d, const Delivery& delivery, mjtNum* force,
+               Scratch& scratch) {
+  mjtNum* displacement = scratch.Take<mjtNum>(m->nv);
+  mj_solveM(m, d, displacement, delivery.detour, 1);
+  mju_scl(displacement, displacement, 1 / m->opt.timestep, m->nv);
+  AddWeightGradient(m, d, displacement, force);
+}
+
 }  // namespace
 
 Delivery MakeDelivery(const mjModel* m, Scratch& scratch) {
-  return {scratch.Zeros(m->nv), scratch.Zeros(m->nv), scratch.Zeros(m->nv)};
+  return {scratch.Zeros(m->nv), scratch.Zeros(m->nv), scratch.Zeros(m->nv), scratch.Zeros(m->nv)};
 }
 
 Share ShareOfStep(const Pulse& pulse, mjtNum clock, mjtNum h) {
@@ -87,6 +96,7 @@ void DeliverActive(const mjModel* m, const mjData* d, State& state, Delivery& de
     AddPulseRow(m, d, pulse, row);
     mju_addToScl(delivery.impulse, row, share.impulse, m->nv);
     mju_addToScl(delivery.moment, row, share.moment, m->nv);
+    mju_addToScl(delivery.detour, row, Detour(m, share), m->nv);
     mju_addToScl(delivery.remaining, row, pulse.impulse * (1 - pulse.delivered), m->nv);
   }
 }
@@ -105,6 +115,7 @@ void Apply(const mjModel* m, mjData* d, State& state, const Delivery& delivery, 
     force[i] = delivery.impulse[i] / h;
     if (damped) force[i] -= m->dof_damping[i] * correction[i] / h;
   }
+  AddDetour(m, d, delivery, force, scratch);
   mju_addTo(d->qfrc_passive, force, m->nv);
   state.header().pending = 1;
 }

@@ -18,6 +18,7 @@
 
 #include "engine/scratch.h"
 #include "engine/state.h"
+#include "engine/weight_gradient.h"
 
 namespace mujoco_impact::engine {
 
@@ -25,6 +26,7 @@ namespace mujoco_impact::engine {
 struct Delivery {
   mjtNum* impulse;    // Σ Jᵀ ΔP
   mjtNum* moment;     // Σ Jᵀ M₁
+  mjtNum* detour;     // Σ Jᵀ ΔP times the path factor of its time (weight_gradient.h)
   mjtNum* remaining;  // Σ Jᵀ P (1 − delivered), of the pulses under way at the start of the step
 };
 
@@ -39,6 +41,11 @@ struct Share {
 
 // What a pulse exerts in the step of length h that starts at `clock`.
 Share ShareOfStep(const Pulse& pulse, mjtNum clock, mjtNum h);
+
+// The factor by which a share of an impulse enters `Delivery::detour`.
+inline mjtNum Detour(const mjModel* m, const Share& share) {
+  return share.impulse > 0 ? share.impulse * PathFactor(m, share.moment / share.impulse) : 0;
+}
 
 // World position of the pulse's point on its body `side`.
 void PulsePoint(const mjModel* m, const mjData* d, const Pulse& pulse, int side, mjtNum point[3]);

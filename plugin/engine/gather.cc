@@ -30,8 +30,7 @@ Outlook LookAhead(const mjModel* m, mjData* d, const Delivery& delivery, bool pu
 
 mjtNum* SettledVelocity(const mjModel* m, const Outlook& outlook, mjtNum tau, Scratch& scratch) {
   mjtNum* velocity = scratch.Take<mjtNum>(m->nv);
-  const Motion& motion = outlook.motion;
-  mju_addScl(velocity, motion.velocity, motion.acceleration, tau, m->nv);
+  VelocityOnPath(m, outlook.motion, tau, velocity);
   if (outlook.arrears) {
     // the part that the path already has by τ is not to come again
     mju_addTo(velocity, outlook.arrears, m->nv);

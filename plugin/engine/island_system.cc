@@ -28,7 +28,9 @@ void FillRow(const mjModel* m, const mjData* d, mjtNum tau, ContactRow& row, Scr
   for (int i = 0; i < 2; ++i) {
     if (trees.tree[i] < 0) continue;
     const RowSegment& segment = row.segment[merged ? 0 : i];
-    AddRow(m, d, row.path.side(i), row.normal, tau, i == 0 ? -1 : 1, segment.jacobian);
+    mjtNum position[3];
+    row.path.SideAt(i, tau, position);
+    AddRow(m, d, row.path.side(i), position, tau, row.normal, i == 0 ? -1 : 1, segment.jacobian);
   }
   for (const RowSegment& segment : row.segment) {
     if (segment.tree < 0) continue;

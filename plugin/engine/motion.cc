@@ -2,6 +2,8 @@
 
 #include "engine/motion.h"
 
+#include "engine/weight_gradient.h"
+
 namespace mujoco_impact::engine {
 
 namespace {
@@ -22,7 +24,7 @@ double ImpulseLag(const mjModel* m) { return m->opt.integrator == mjINT_RK4 ? 0.
 
 Motion PredictMotion(const mjModel* m, mjData* d, Scratch& scratch) {
   const int nv = m->nv;
-  Motion motion{scratch.Take<mjtNum>(nv), scratch.Take<mjtNum>(nv)};
+  Motion motion{scratch.Take<mjtNum>(nv), scratch.Take<mjtNum>(nv), scratch.Take<mjtNum>(nv)};
   mjtNum* force = scratch.Take<mjtNum>(nv);
   mj_rne(m, d, 0, force);
   mju_sub(force, d->qfrc_passive, force, nv);
@@ -35,7 +37,15 @@ Motion PredictMotion(const mjModel* m, mjData* d, Scratch& scratch) {
   mj_solveM(m, d, motion.acceleration, force, 1);
   const mjtNum lead = m->opt.integrator == mjINT_RK4 ? 0 : 0.5 * m->opt.timestep;
   mju_addScl(motion.velocity, d->qvel, motion.acceleration, lead, nv);
+  mju_zero(force, nv);
+  AddWeightGradient(m, d, motion.velocity, force);
+  mj_solveM(m, d, motion.jerk, force, 1);
   return motion;
+}
+
+void VelocityOnPath(const mjModel* m, const Motion& motion, mjtNum tau, mjtNum* velocity) {
+  mju_addScl(velocity, motion.velocity, motion.acceleration, tau, m->nv);
+  mju_addToScl(velocity, motion.jerk, 0.5 * tau * tau, m->nv);
 }
 
 void SolveTreeInertia(const mjModel* m, const mjData* d, int tree, mjtNum* x) {

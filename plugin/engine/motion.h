@@ -4,7 +4,8 @@
 //   a = M⁻¹ (forces − bias)        free acceleration: gravity, springs, dampers, actuators, applied
 //   V = v + h/2 a                  Euler, implicit, implicitfast, discrete
 //   V = v                          RK4
-//   q(τ) = q ⊕ (V τ + a τ²/2)      path within the step, τ from its start
+//   b = M⁻¹ (∂Q/∂q) V              its rate, as far as gravity and joint springs make it
+//   q(τ) = q ⊕ (V τ + a τ²/2 + b τ³/6)      path within the step, τ from its start
 //
 // The semi-implicit integrators step q += h (v + h a) = h V + a h²/2: their v lags behind the
 // velocity of the path by half a step, and impacts happen on the path.
@@ -21,6 +22,7 @@ namespace mujoco_impact::engine {
 struct Motion {
   mjtNum* velocity;      // V (nv)
   mjtNum* acceleration;  // a (nv)
+  mjtNum* jerk;          // b (nv)
 };
 
 // Position lag of the integrator in units of h: where within the step it thinks an impulse came
@@ -28,6 +30,9 @@ struct Motion {
 double ImpulseLag(const mjModel* m);
 
 Motion PredictMotion(const mjModel* m, mjData* d, Scratch& scratch);
+
+// V + a τ + b τ²/2
+void VelocityOnPath(const mjModel* m, const Motion& motion, mjtNum tau, mjtNum* velocity);
 
 // x ← M⁻¹ x for the degrees of freedom of one kinematic tree; x is the tree's segment.
 void SolveTreeInertia(const mjModel* m, const mjData* d, int tree, mjtNum* x);

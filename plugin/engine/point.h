@@ -24,13 +24,23 @@ int LastDof(const mjModel* m, int body);
 // Velocity of the point by mjData.cvel, without a Jacobian.
 void PointVelocity(const mjModel* m, const mjData* d, const BodyPoint& point, mjtNum velocity[3]);
 
-// Velocity J V and acceleration J a (+ J̇ V if `turning`) of the point on the path of `motion`.
-void PointMotion(const mjModel* m, const mjData* d, const BodyPoint& point, const Motion& motion,
-                 bool turning, mjtNum velocity[3], mjtNum acceleration[3]);
+// Derivatives of the position of a point along the path of a Motion, world frame.
+struct PointDerivatives {
+  mjtNum velocity[3];      // J V
+  mjtNum acceleration[3];  // J a, + J̇ V if the point turns with its body
+  mjtNum jerk[3];          // J b
+};
 
-// Adds sign · nᵀ (J + τ J̇) of the point to `row`, the segment of the dofs of the body's tree.
-void AddRow(const mjModel* m, const mjData* d, const BodyPoint& point, const mjtNum normal[3],
-            mjtNum tau, mjtNum sign, mjtNum* row);
+PointDerivatives PointMotion(const mjModel* m, const mjData* d, const BodyPoint& point,
+                             const Motion& motion, bool turning);
+
+// x + velocity τ + acceleration τ²/2 + jerk τ³/6
+void MovePoint(const PointDerivatives& derivatives, mjtNum tau, mjtNum x[3]);
+
+// Adds sign · nᵀ J to `row`, the segment of the dofs of the tree of `point`: J of the point that by
+// the time τ has moved to `moved`, on axes that have turned with their bodies meanwhile.
+void AddRow(const mjModel* m, const mjData* d, const BodyPoint& point, const mjtNum moved[3],
+            mjtNum tau, const mjtNum normal[3], mjtNum sign, mjtNum* row);
 
 }  // namespace mujoco_impact::engine
 

@@ -37,6 +37,7 @@ void AddImpact(Step& step, const Config& config, const ContactRow& row, const Im
   if (!AddPending(step.state, pulse, share.delivered_next)) share = whole;
   AddRowTransposed(step.m, row, share.impulse, step.delivery.impulse);
   AddRowTransposed(step.m, row, share.moment, step.delivery.moment);
+  AddRowTransposed(step.m, row, Detour(step.m, share), step.delivery.detour);
 }
 
 // The contact of the island that closes first.

@@ -93,21 +93,21 @@ def baselines(
     timestep = float(plain.option.timestep)
     return (
         Method("MuJoCo as is", "the contacts of the scene, unchanged", plain),
-        _damper(plain, timestep, restitution),
-        _tuned(
+        damper(plain, timestep, restitution),
+        spring(
             plain,
             "MuJoCo compliant",
             stiffness=COMPLIANT_STIFFNESS / timestep**2,
             solimp=(0.0, 0.01, 0.01, 0.5, 2.0),
         ),
-        _hertz_like(plain, "MuJoCo Hertz-like", HERTZ_COARSE, impact_speed),
-        _hertz_like(
+        hertz_like(plain, "MuJoCo Hertz-like", HERTZ_COARSE, impact_speed),
+        hertz_like(
             plain, "MuJoCo Hertz-like, h/10", HERTZ_FINE, impact_speed, FINE_STEPS
         ),
     )
 
 
-def _damper(plain: mujoco.MjSpec, timestep: float, restitution: float) -> Method:
+def damper(plain: mujoco.MjSpec, timestep: float, restitution: float) -> Method:
     """Returns the reflecting damper."""
     spec = plain.copy()
     damping = (1.0 + restitution) / timestep
@@ -117,17 +117,17 @@ def _damper(plain: mujoco.MjSpec, timestep: float, restitution: float) -> Method
     return Method("MuJoCo damper", setting, spec)
 
 
-def _hertz_like(
+def hertz_like(
     plain: mujoco.MjSpec, name: str, shape: HertzLike, speed: float, every: int = 1
 ) -> Method:
     """Returns the Hertz-like contact for one impact speed [m/s]."""
     stiffness = shape.stiffness / (plain.option.timestep / every) ** 2
     width = shape.width_factor * speed / math.sqrt(stiffness)
     solimp = (shape.d0, shape.d1, width, shape.midpoint, shape.power)
-    return _tuned(plain, name, stiffness=stiffness, solimp=solimp, every=every)
+    return spring(plain, name, stiffness=stiffness, solimp=solimp, every=every)
 
 
-def _tuned(
+def spring(
     plain: mujoco.MjSpec,
     name: str,
     *,

@@ -36,7 +36,8 @@ INSTANCE = "impact"
 MOST_REFERENCE_BALLS = 12
 """Longer rows are chaotic after the first wave, and their reference takes minutes."""
 
-_HALF_STEP_INTEGRATORS = ("Euler", "implicit", "implicitfast", "discrete")
+HALF_STEP_INTEGRATORS = ("Euler", "implicit", "implicitfast", "discrete")
+"""Integrators whose motion from rest is half a step ahead, see `row_samples`."""
 
 
 def compare(
@@ -195,7 +196,7 @@ def row_samples(row: PendulumRow, motion: Trajectory) -> tuple[Array, Array, Arr
     a step; that is no error of the impacts and is taken out.
     """
     angles, velocities = row.angles(motion.qpos), row.angles(motion.qvel)
-    if motion.integrator not in _HALF_STEP_INTEGRATORS or velocities[0].any():
+    if motion.integrator not in HALF_STEP_INTEGRATORS or velocities[0].any():
         return motion.time, angles, velocities
     return metrics.euler_half_step(
         motion.time, angles, velocities, row.chain, timestep=motion.timestep

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Spatial vectors as MuJoCo keeps them: (rotation, translation) about the tree's centre of mass.
+
+#ifndef MUJOCO_IMPACT_ENGINE_SPATIAL_H_
+#define MUJOCO_IMPACT_ENGINE_SPATIAL_H_
+
+#include <mujoco/mujoco.h>
+
+namespace mujoco_impact::engine {
+
+// Rate of a motion axis that moves with velocity v: v × axis.
+inline void SpatialCross(const mjtNum v[6], const mjtNum axis[6], mjtNum result[6]) {
+  mjtNum part[3];
+  mju_cross(result, v, axis);
+  mju_cross(result + 3, v, axis + 3);
+  mju_cross(part, v + 3, axis);
+  mju_addTo3(result + 3, part);
+}
+
+// A translation of a free joint, whose axis is fixed in the world.
+inline bool IsFreeTranslation(const mjModel* m, int dof) {
+  const int joint = m->dof_jntid[dof];
+  return m->jnt_type[joint] == mjJNT_FREE && dof < m->jnt_dofadr[joint] + 3;
+}
+
+// A rotation of a ball or free joint, whose axis turns with the body that it moves.
+inline bool TurnsWithBody(const mjModel* m, int dof) {
+  const int type = m->jnt_type[m->dof_jntid[dof]];
+  return type == mjJNT_BALL || (type == mjJNT_FREE && !IsFreeTranslation(m, dof));
+}
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_SPATIAL_H_

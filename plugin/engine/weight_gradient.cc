@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/weight_gradient.h"
+
+#include "engine/spatial.h"
+
+namespace mujoco_impact::engine {
+
+namespace {
+
+// One kinematic tree displaced along u. Spatial vectors are (rotation, translation) about `origin`,
+// the point that MuJoCo's motion axes of the tree refer to.
+class DisplacedTree {
+ public:
+  DisplacedTree(const mjModel* m, mjData* d, int tree, const mjtNum* u, Scratch& scratch)
+      : m_(m),
+        d_(d),
+        first_(m->tree_bodyadr[tree]),
+        number_(m->tree_bodynum[tree]),
+        origin_(d->subtree_com + 3 * m->body_rootid[first_]),
+        displacement_(scratch.Zeros(6 * number_)),
+        weight_(scratch.Zeros(6 * number_)),
+        weight_change_(scratch.Zeros(6 * number_)),
+        axis_change_(scratch.Zeros(6 * m->tree_dofnum[tree])),
+        first_dof_(m->tree_dofadr[tree]) {
+    for (int i = 0; i < number_; ++i) Displace(i, u);
+    for (int i = number_ - 1; i > 0; --i) PassToParent(i);
+  }
+
+  // δQ_i = δaxis_i · F + axis_i · δF, F the weight of everything the joint carries
+  void AddForces(const mjtNum* u, mjtNum* result) const {
+    for (int i = 0; i < number_; ++i) {
+      const int body = first_ + i;
+      for (int k = 0; k < m_->body_dofnum[body]; ++k) {
+        const int dof = m_->body_dofadr[body] + k;
+        result[dof] += mju_dot(axis_change_ + 6 * (dof - first_dof_), weight_ + 6 * i, 6) +
+                       mju_dot(d_->cdof + 6 * dof, weight_change_ + 6 * i, 6) -
+                       Spring(dof) * u[dof];
+      }
+    }
+  }
+
+ private:
+  mjtNum Spring(int dof) const {
+    const int joint = m_->dof_jntid[dof];
+    const int type = m_->jnt_type[joint];
+    const bool scalar = type == mjJNT_HINGE || type == mjJNT_SLIDE;
+    const bool off = m_->opt.disableflags & mjDSBL_SPRING;
+    return scalar && !off ? m_->jnt_stiffness[joint] : 0;
+  }
+
+  // Displacement of body i from that of its parent, and what it does to its axes and weight.
+  void Displace(int i, const mjtNum* u) {
+    const int body = first_ + i;
+    mjtNum* moved = displacement_ + 6 * i;
+    if (i > 0) mju_copy(moved, displacement_ + 6 * (m_->body_parentid[body] - first_), 6);
+    const int begin = m_->body_dofadr[body];
+    for (int dof = begin; dof < begin + m_->body_dofnum[body]; ++dof) {
+      // a hinge or slide is carried along by what comes before it
+      if (!TurnsWithBody(m_, dof)) SpatialCross(moved, d_->cdof + 6 * dof, AxisChange(dof));
+      if (IsFreeTranslation(m_, dof)) mju_zero(AxisChange(dof), 6);
+      mju_addToScl(moved, d_->cdof + 6 * dof, u[dof], 6);
+    }
+    for (int dof = begin; dof < begin + m_->body_dofnum[body]; ++dof) {
+      if (TurnsWithBody(m_, dof)) SpatialCross(moved, d_->cdof + 6 * dof, AxisChange(dof));
+    }
+    Weigh(body, i);
+  }
+
+  void Weigh(int body, int i) {
+    mjtNum arm[3], centre_moved[3], force[3];
+    mju_sub3(arm, d_->xipos + 3 * body, origin_);
+    // δx = δtranslation + δrotation × arm
+    mju_cross(centre_moved, displacement_ + 6 * i, arm);
+    mju_addTo3(centre_moved, displacement_ + 6 * i + 3);
+    mju_scl3(force, m_->opt.gravity, m_->body_mass[body] * (1 - m_->body_gravcomp[body]));
+    mju_cross(weight_ + 6 * i, arm, force);
+    mju_copy3(weight_ + 6 * i + 3, force);
+    mju_cross(weight_change_ + 6 * i, centre_moved, force);
+  }
+
+  void PassToParent(int i) {
+    const int parent = m_->body_parentid[first_ + i] - first_;
+    mju_addTo(weight_ + 6 * parent, weight_ + 6 * i, 6);
+    mju_addTo(weight_change_ + 6 * parent, weight_change_ + 6 * i, 6);
+  }
+
+  mjtNum* AxisChange(int dof) { return axis_change_ + 6 * (dof - first_dof_); }
+
+  const mjModel* m_;
+  const mjData* d_;
+  const int first_, number_;
+  const mjtNum* origin_;
+  mjtNum *displacement_, *weight_, *weight_change_;  // per body (6)
+  mjtNum* axis_change_;                              // per dof (6)
+  const int first_dof_;
+};
+
+}  // namespace
+
+mjtNum PathFactor(const mjModel* m, mjtNum s) {
+  const mjtNum h = m->opt.timestep;
+  if (m->opt.integrator == mjINT_RK4) return 0.5 * (h - s) * (h - s) - h * h / 6;
+  return -0.5 * s * (h - s);
+}
+
+void AddWeightGradient(const mjModel* m, mjData* d, const mjtNum* u, mjtNum* result) {
+  if (m->opt.disableflags & mjDSBL_GRAVITY) return;
+  for (int tree = 0; tree < m->ntree; ++tree) {
+    if (mju_isZero(u + m->tree_dofadr[tree], m->tree_dofnum[tree])) continue;
+    Scratch scratch(d);
+    DisplacedTree(m, d, tree, u, scratch).AddForces(u, result);
+  }
+}
+
+}  // namespace mujoco_impact::engine

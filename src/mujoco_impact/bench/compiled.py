@@ -1,0 +1,132 @@
+"""The Hertz chain integrated by compiled code without an engine: a lower bound.
+
+The library is `plugin/bench/hertz_chain.cc`; `scripts/bench` builds it. It resolves
+every impact in time, and nothing else: no collision detection, no general bodies.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import time
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mujoco_impact.bench.methods import Candidate, MethodFamily
+from mujoco_impact.bench.samples import Samples
+from mujoco_impact.bench.scenes import BASE_TIMESTEP, BenchScene
+from mujoco_impact.bench.truths import Truth
+from mujoco_impact.errors import SimulationError
+from mujoco_impact.trajectory import Array
+
+LIBRARY_VARIABLE = "MUJOCO_IMPACT_BENCH_LIBRARY"
+"""Environment variable with the path of the library."""
+
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
+
+LONGEST_STEP = 0.01
+"""Longest integration step [s]; an impact cannot be stepped over."""
+
+_DOUBLES: Any = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
+
+
+class CompiledChain:
+    """A row integrated by DOPRI5 with error control."""
+
+    def __init__(self, scene: BenchScene, truth: Truth, tolerance: float) -> None:
+        """Prepares a scene.
+
+        Args:
+            scene: The scene.
+            truth: Its truth, for the chain.
+            tolerance: Relative error per step.
+        """
+        chain = truth.chain
+        self._count = chain.count
+        self._row = [
+            np.ascontiguousarray(values, dtype=np.float64)
+            for values in (
+                chain.weight_torque,
+                chain.inertia,
+                chain.stiffness,
+                chain.gaps,
+                chain.spacing,
+            )
+        ]
+        self._length = chain.length
+        self._start = scene.start()
+        self._duration = scene.duration
+        self._tolerance = tolerance
+
+    def record(self) -> Samples:
+        """Runs once, with a sample every 2 ms."""
+        count = round(self._duration / BASE_TIMESTEP) + 1
+        angles, velocities = self._run(count)
+        return Samples(np.arange(count) * BASE_TIMESTEP, angles, velocities)
+
+    def run_time(self) -> float:
+        """Runs once without samples; returns the wall-clock time [s]."""
+        begin = time.perf_counter()
+        self._run(2)
+        return time.perf_counter() - begin
+
+    def _run(self, count: int) -> tuple[Array, Array]:
+        """Returns angles and velocities at equidistant times, shape (count, n)."""
+        angles = np.zeros((count, self._count))
+        velocities = np.zeros_like(angles)
+        angles[0], velocities[0] = self._start
+        steps = _library().hertz_chain_swing(
+            self._count,
+            self._length,
+            *self._row,
+            self._duration,
+            self._tolerance,
+            LONGEST_STEP,
+            count,
+            angles,
+            velocities,
+        )
+        if steps < 0:
+            msg = f"the compiled chain gave up after {-steps} steps"
+            raise SimulationError(msg, time=0.0)
+        return angles, velocities
+
+
+def family() -> MethodFamily:
+    """Returns the lower bound as a method."""
+    name, title = "compiled-hertz", "compiled Hertz chain (no engine, lower bound)"
+    path = os.environ.get(LIBRARY_VARIABLE, "")
+    if not Path(path).is_file():
+        missing = f"{LIBRARY_VARIABLE} names no library (scripts/bench builds it)"
+        return MethodFamily(name, title, (), missing=missing)
+
+    def candidate(tolerance: float) -> Candidate:
+        return Candidate(
+            name,
+            f"relative tolerance {tolerance:g}",
+            None,
+            "DOPRI5",
+            lambda scene, truth: CompiledChain(scene, truth, tolerance),
+            comparable=False,
+            quick=tolerance == 1e-6,
+            rows_only=True,
+            lossless_only=True,
+        )
+
+    return MethodFamily(name, title, tuple(map(candidate, TOLERANCES)))
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    library = ctypes.CDLL(os.environ[LIBRARY_VARIABLE])
+    swing = library.hertz_chain_swing
+    number = ctypes.c_double
+    swing.restype = ctypes.c_long
+    swing.argtypes = [
+        ctypes.c_int, number, *[_DOUBLES] * 5, number, number, number,
+        ctypes.c_int, _DOUBLES, _DOUBLES,
+    ]  # fmt: skip
+    return library

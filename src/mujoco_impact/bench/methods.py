@@ -1,0 +1,70 @@
+"""The ways of computing impacts that are measured, and their settings."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import TypeAlias
+
+from mujoco_impact.bench.samples import Simulation
+from mujoco_impact.bench.scenes import BenchScene
+from mujoco_impact.bench.truths import Truth
+
+Build: TypeAlias = Callable[[BenchScene, Truth], Simulation]
+
+
+@dataclasses.dataclass(frozen=True)
+class Candidate:
+    """One method with one setting: one point of a chart.
+
+    Attributes:
+        method: Name of the method.
+        setting: What was set.
+        timestep: Timestep [s]; None if it adapts.
+        integrator: Integrator.
+        build: Makes the simulation of a scene.
+        comparable: Whether its run time is that of a simulator; if not, it is a
+            reference and does not belong to the front.
+        quick: Whether `--quick` measures it.
+        sweep: Whether it belongs to a long sweep, for the main scenes only.
+        rows_only: Whether it knows pendulum rows only.
+        lossless_only: Whether it knows restitution 1 only.
+    """
+
+    method: str
+    setting: str
+    timestep: float | None
+    integrator: str
+    build: Build
+    comparable: bool = True
+    quick: bool = False
+    sweep: bool = False
+    rows_only: bool = False
+    lossless_only: bool = False
+
+    def suits(self, scene: BenchScene) -> bool:
+        """Returns whether the scene is measured with this candidate."""
+        return (
+            (scene.sweep or not self.sweep)
+            and (scene.is_row or not self.rows_only)
+            and (scene.restitution == 1.0 or not self.lossless_only)
+        )
+
+
+@dataclasses.dataclass(frozen=True)
+class MethodFamily:
+    """All candidates of one method.
+
+    Attributes:
+        name: Name of the method, as `--methods` takes it.
+        title: What it is, for legends.
+        candidates: Its settings; none if it cannot run here.
+        version: Version of the engine, empty for MuJoCo's and our own.
+        missing: Why it cannot run here, else empty.
+    """
+
+    name: str
+    title: str
+    candidates: tuple[Candidate, ...]
+    version: str = ""
+    missing: str = ""
