@@ -31,8 +31,6 @@ void AddContacts(const Chain& chain, const double* angle, double* torque) {
     const double half = 0.5 * (angle[k + 1] - angle[k]);
     const double mean = 0.5 * (angle[k + 1] + angle[k]);
     const double space = chain.spacing[k];
-    // far apart: with arms of one length, neighbours less than half a turn apart
-    if (half > 0.5 * space / chain.length && std::abs(mean) < 1.5) continue;
     const double chord = 2 * chain.length * std::sin(half);
     const double lever = space * std::cos(mean);
     const double excess = chord * (2 * lever + chord);

@@ -9,15 +9,14 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-BodyPoint RepresentativePoint(const mjModel* m, const mjData* d, const mjContact& contact, int i) {
-  const int geom = contact.geom[i];
-  BodyPoint point{m->geom_bodyid[geom], {}};
-  const bool sphere = m->geom_type[geom] == mjGEOM_SPHERE;
-  mju_copy3(point.position, sphere ? d->geom_xpos + 3 * geom : contact.pos);
-  return point;
-}
-
 bool IsSphere(const mjModel* m, int geom) { return m->geom_type[geom] == mjGEOM_SPHERE; }
+
+// Distance of the two points, along the normal unless both are centres of spheres.
+mjtNum Separation(const ContactAnchor& anchor, const mjtNum first[3], const mjtNum second[3]) {
+  mjtNum between[3];
+  mju_sub3(between, second, first);
+  return anchor.spheres() ? mju_norm3(between) : mju_dot3(anchor.normal, between);
+}
 
 }  // namespace
 
@@ -32,16 +31,34 @@ mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& contact)
   return mju_dot3(contact.frame, v[0]) - mju_dot3(contact.frame, v[1]);
 }
 
-ContactPath::ContactPath(const mjModel* m, const mjData* d, const mjContact& contact,
-                         const Motion& motion)
-    : spheres_(IsSphere(m, contact.geom[0]) && IsSphere(m, contact.geom[1])), gap_(contact.dist) {
-  mju_copy3(normal_, contact.frame);
+ContactAnchor AnchorContact(const mjModel* m, const mjData* d, const mjContact& contact) {
+  ContactAnchor anchor;
+  const mjtNum* position[2];
+  mju_copy3(anchor.normal, contact.frame);
   for (int i = 0; i < 2; ++i) {
-    side_[i] = RepresentativePoint(m, d, contact, i);
-    // a contact point slides over any other shape, so the turning of the body does not move it
-    const bool turning = IsSphere(m, contact.geom[i]);
-    of_side_[i] = PointMotion(m, d, side_[i], motion, turning);
+    const int geom = contact.geom[i];
+    const int body = anchor.body[i] = m->geom_bodyid[geom];
+    anchor.sphere[i] = IsSphere(m, geom);
+    position[i] = anchor.sphere[i] ? d->geom_xpos + 3 * geom : contact.pos;
+    mjtNum offset[3];
+    mju_sub3(offset, position[i], d->xpos + 3 * body);
+    mju_mulMatTVec3(anchor.local[i], d->xmat + 9 * body, offset);
   }
+  anchor.rest = Separation(anchor, position[0], position[1]) - contact.dist;
+  return anchor;
+}
+
+ContactPath::ContactPath(const mjModel* m, const mjData* d, const ContactAnchor& anchor,
+                         const Motion& motion)
+    : anchor_(anchor) {
+  for (int i = 0; i < 2; ++i) {
+    const int body = side_[i].body = anchor.body[i];
+    mju_mulMatVec3(side_[i].position, d->xmat + 9 * body, anchor.local[i]);
+    mju_addTo3(side_[i].position, d->xpos + 3 * body);
+    // a contact point slides over any other shape, so the turning of the body does not move it
+    of_side_[i] = PointMotion(m, d, side_[i], motion, anchor.sphere[i]);
+  }
+  gap_ = Separation(anchor, side_[0].position, side_[1].position) - anchor.rest;
 }
 
 void ContactPath::SideAt(int i, mjtNum tau, mjtNum position[3]) const {
@@ -61,7 +78,7 @@ mjtNum ContactPath::Gap(mjtNum tau) const {
   MovePoint(of_side_[1], tau, change);
   MovePoint(of_side_[0], tau, first);
   mju_subFrom3(change, first);
-  if (!spheres_) return gap_ + mju_dot3(normal_, change);
+  if (!anchor_.spheres()) return gap_ + mju_dot3(anchor_.normal, change);
   // |D(τ)| − |D(0)| without cancellation: (D(τ) − D(0))·(D(τ) + D(0)) / (|D(τ)| + |D(0)|)
   mjtNum before[3], after[3], sum[3];
   mju_sub3(before, side_[1].position, side_[0].position);
@@ -71,8 +88,8 @@ mjtNum ContactPath::Gap(mjtNum tau) const {
 }
 
 void ContactPath::Normal(mjtNum tau, mjtNum normal[3]) const {
-  mju_copy3(normal, normal_);
-  if (!spheres_) return;
+  mju_copy3(normal, anchor_.normal);
+  if (!anchor_.spheres()) return;
   Distance(tau, normal);
   mju_normalize3(normal);
 }
@@ -90,22 +107,19 @@ mjtNum ContactPath::GapRate(mjtNum tau) const {
   return mju_dot3(n, rate);
 }
 
-bool ContactPath::ClosingTime(mjtNum timestep, mjtNum touch, mjtNum* tau) const {
+bool ContactPath::ClosingTime(mjtNum time, mjtNum late, mjtNum touch, mjtNum* tau) const {
   constexpr int kNewtonSteps = 6;
-  constexpr mjtNum kLatest = 0.25;  // of a step: closing that the last step could not see
-  mjtNum rate = GapRate(0);
-  if (rate >= 0 || Gap(timestep) >= -touch) return false;
+  if (GapRate(0) >= 0 || Gap(time) >= -touch) return false;
   mjtNum t = 0;
   for (int i = 0; i < kNewtonSteps; ++i) {
-    rate = GapRate(t);
+    const mjtNum rate = GapRate(t);
     if (rate >= 0) break;
     const mjtNum step = -Gap(t) / rate;
     t += step;
-    if (std::abs(step) < 1e-12 * timestep) break;
-    if (t < -timestep || t > 2 * timestep) break;
+    if (std::abs(step) < 1e-12 * time || t < -late || t > 2 * time) break;
   }
   // an overlap that this closing speed cannot have made was there before: it closes now
-  *tau = t < -kLatest * timestep ? 0 : std::min(t, timestep);
+  *tau = t < -late ? 0 : std::min(t, time);
   return true;
 }
 

@@ -29,32 +29,44 @@ inline bool MayClose(const mjModel* m, const mjData* d, const mjContact& contact
   return c > 0 && contact.dist - c * m->opt.timestep < -touch;
 }
 
+// A contact as two points of its bodies, so that its gap is known wherever the bodies are.
+struct ContactAnchor {
+  int body[2];
+  mjtNum local[2][3];  // the points in the frames of the bodies
+  bool sphere[2];      // the side is a sphere, its point the centre
+  mjtNum normal[3];    // from geom[0] to geom[1], for other than two spheres
+  mjtNum rest;         // distance of the points at which the gap is zero
+
+  bool spheres() const { return sphere[0] && sphere[1]; }
+};
+
+ContactAnchor AnchorContact(const mjModel* m, const mjData* d, const mjContact& contact);
+
+// The path starts where the bodies are in `d`.
 class ContactPath {
  public:
-  ContactPath(const mjModel* m, const mjData* d, const mjContact& contact, const Motion& motion);
+  ContactPath(const mjModel* m, const mjData* d, const ContactAnchor& anchor,
+              const Motion& motion);
 
   const BodyPoint& side(int i) const { return side_[i]; }
 
   // Where the point of a side is at τ.
   void SideAt(int i, mjtNum tau, mjtNum position[3]) const;
-  bool spheres() const { return spheres_; }
-
   mjtNum Gap(mjtNum tau) const;
   mjtNum GapRate(mjtNum tau) const;
   void Normal(mjtNum tau, mjtNum normal[3]) const;
 
-  // Time within the step at which the contact closes; false if it does not get deeper than `touch`.
-  // Slightly negative if it closed unnoticed at the end of the last step, because the free
-  // acceleration made it faster than the scan of that step could see.
-  bool ClosingTime(mjtNum timestep, mjtNum touch, mjtNum* tau) const;
+  // Time at which the contact closes within the `time` that is left of the step; false if it does
+  // not get deeper than `touch` by then. May be as early as −`late`: it closed unnoticed at the end
+  // of the last step, whose scan did not know the free acceleration.
+  bool ClosingTime(mjtNum time, mjtNum late, mjtNum touch, mjtNum* tau) const;
 
  private:
   void Distance(mjtNum tau, mjtNum distance[3]) const;
 
+  const ContactAnchor& anchor_;
   BodyPoint side_[2];
-  bool spheres_;
   mjtNum gap_;
-  mjtNum normal_[3];
   PointDerivatives of_side_[2];
 };
 

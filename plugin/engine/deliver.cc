@@ -43,8 +43,14 @@ bool ImplicitDamping(const mjModel* m) {
 // The impulse by which gravity and springs differ along the bent path, as a force of the step.
 void AddDetour(const mjModel* m, mjData* d, const Delivery& delivery, mjtNum* force,
                Scratch& scratch) {
+  mjtNum* detour = scratch.Take<mjtNum>(m->nv);
   mjtNum* displacement = scratch.Take<mjtNum>(m->nv);
-  mj_solveM(m, d, displacement, delivery.detour, 1);
+  const PathWeights weights = DetourWeights(m);
+  for (int i = 0; i < m->nv; ++i) {
+    detour[i] = weights.impulse * delivery.impulse[i] + weights.moment * delivery.moment[i] +
+                weights.second * delivery.second[i];
+  }
+  mj_solveM(m, d, displacement, detour, 1);
   mju_scl(displacement, displacement, 1 / m->opt.timestep, m->nv);
   AddWeightGradient(m, d, displacement, force);
 }
@@ -96,7 +102,7 @@ void DeliverActive(const mjModel* m, const mjData* d, State& state, Delivery& de
     AddPulseRow(m, d, pulse, row);
     mju_addToScl(delivery.impulse, row, share.impulse, m->nv);
     mju_addToScl(delivery.moment, row, share.moment, m->nv);
-    mju_addToScl(delivery.detour, row, Detour(m, share), m->nv);
+    mju_addToScl(delivery.second, row, SecondMoment(share), m->nv);
     mju_addToScl(delivery.remaining, row, pulse.impulse * (1 - pulse.delivered), m->nv);
   }
 }

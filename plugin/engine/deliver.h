@@ -26,7 +26,7 @@ namespace mujoco_impact::engine {
 struct Delivery {
   mjtNum* impulse;    // Σ Jᵀ ΔP
   mjtNum* moment;     // Σ Jᵀ M₁
-  mjtNum* detour;     // Σ Jᵀ ΔP times the path factor of its time (weight_gradient.h)
+  mjtNum* second;     // Σ Jᵀ M₂, M₂ = M₁²/ΔP: second moment of an impulse at one time
   mjtNum* remaining;  // Σ Jᵀ P (1 − delivered), of the pulses under way at the start of the step
 };
 
@@ -42,9 +42,8 @@ struct Share {
 // What a pulse exerts in the step of length h that starts at `clock`.
 Share ShareOfStep(const Pulse& pulse, mjtNum clock, mjtNum h);
 
-// The factor by which a share of an impulse enters `Delivery::detour`.
-inline mjtNum Detour(const mjModel* m, const Share& share) {
-  return share.impulse > 0 ? share.impulse * PathFactor(m, share.moment / share.impulse) : 0;
+inline mjtNum SecondMoment(const Share& share) {
+  return share.impulse > 0 ? share.moment * share.moment / share.impulse : 0;
 }
 
 // World position of the pulse's point on its body `side`.

@@ -2,10 +2,28 @@
 
 #include "engine/gather.h"
 
-#include "engine/contact_path.h"
+#include <algorithm>
+
 #include "engine/islands.h"
 
 namespace mujoco_impact::engine {
+
+namespace {
+
+// Of a step: as late as a closing may be noticed that the scan of the last step could not see.
+constexpr mjtNum kLatest = 0.25;
+
+bool IsDue(const mjModel* m, const mjData* d, const Outlook& outlook, const Motion& settled,
+           mjtNum touch, const ContactAnchor& anchor, mjtNum* tau) {
+  const mjtNum h = m->opt.timestep;
+  const mjtNum late = outlook.start == 0 ? kLatest * h : 0;
+  const ContactPath path(m, d, anchor, outlook.motion);
+  if (!path.ClosingTime(h - outlook.start, late, touch, tau)) return false;
+  // with pulses under way, a contact that they will part is not an impact
+  return !outlook.arrears || ContactPath(m, d, anchor, settled).GapRate(0) < 0;
+}
+
+}  // namespace
 
 bool AnyMayClose(const mjModel* m, const mjData* d, mjtNum touch) {
   for (int i = 0; i < d->ncon; ++i) {
@@ -15,52 +33,45 @@ bool AnyMayClose(const mjModel* m, const mjData* d, mjtNum touch) {
   return false;
 }
 
-Outlook LookAhead(const mjModel* m, mjData* d, const Delivery& delivery, bool pulses,
-                  Scratch& scratch) {
-  Outlook outlook{PredictMotion(m, d, scratch), nullptr, nullptr};
-  if (!pulses) return outlook;
-  outlook.bend = scratch.Take<mjtNum>(m->nv);
-  outlook.arrears = scratch.Take<mjtNum>(m->nv);
-  mj_solveM(m, d, outlook.bend, delivery.impulse, 1);
-  mju_scl(outlook.bend, outlook.bend, 1 / m->opt.timestep, m->nv);
-  mju_addTo(outlook.motion.acceleration, outlook.bend, m->nv);
-  mj_solveM(m, d, outlook.arrears, delivery.remaining, 1);
-  return outlook;
-}
-
-mjtNum* SettledVelocity(const mjModel* m, const Outlook& outlook, mjtNum tau, Scratch& scratch) {
-  mjtNum* velocity = scratch.Take<mjtNum>(m->nv);
-  VelocityOnPath(m, outlook.motion, tau, velocity);
-  if (outlook.arrears) {
-    // the part that the path already has by τ is not to come again
-    mju_addTo(velocity, outlook.arrears, m->nv);
-    mju_addToScl(velocity, outlook.bend, -tau, m->nv);
-  }
-  return velocity;
-}
-
-Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership, mjtNum touch,
-                        const Outlook& outlook, Scratch& scratch) {
-  Gathered gathered{0, scratch.Take<int>(d->ncon), scratch.Take<bool>(d->ncon),
-                    scratch.Take<mjtNum>(d->ncon)};
-  // with pulses under way, a contact that they will part is not an impact
-  Motion settled = outlook.motion;
-  if (outlook.arrears) settled.velocity = SettledVelocity(m, outlook, 0, scratch);
+Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership,
+                        Scratch& scratch) {
+  int* owned = scratch.Take<int>(d->ncon);
+  int count = 0;
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
     if (!IsReleased(contact) || !ownership.Owns(contact)) continue;
     const ContactTrees trees = TreesOf(m, contact);
-    if (trees.tree[0] < 0 && trees.tree[1] < 0) continue;
-    const int k = gathered.count++;
-    gathered.contact[k] = i;
-    gathered.due[k] = MayClose(m, d, contact, touch) &&
-                      ContactPath(m, d, contact, outlook.motion)
-                          .ClosingTime(m->opt.timestep, touch, &gathered.tau[k]);
-    if (gathered.due[k] && outlook.arrears) {
-      gathered.due[k] = ContactPath(m, d, contact, settled).GapRate(0) < 0;
-    }
+    if (trees.tree[0] >= 0 || trees.tree[1] >= 0) owned[count++] = i;
+  }
+  Gathered gathered{count, owned, scratch.Take<ContactAnchor>(count), scratch.Take<bool>(count),
+                    scratch.Take<mjtNum>(count)};
+  for (int k = 0; k < count; ++k) {
+    gathered.anchor[k] = AnchorContact(m, d, d->contact[owned[k]]);
   }
   return gathered;
+}
+
+bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum touch,
+             const mjtNum* busy, Gathered& gathered, Scratch& scratch) {
+  Motion settled = outlook.motion;
+  if (outlook.arrears) settled.velocity = SettledVelocity(m, outlook, 0, scratch);
+  bool any = false;
+  for (int k = 0; k < gathered.count; ++k) {
+    const mjContact& contact = d->contact[gathered.contact[k]];
+    gathered.due[k] = false;
+    // the bodies are still where MuJoCo found the contact: its velocities tell
+    if (outlook.start == 0 && !MayClose(m, d, contact, touch)) continue;
+    mjtNum tau;
+    if (!IsDue(m, d, outlook, settled, touch, gathered.anchor[k], &tau)) continue;
+    mjtNum free = 0;
+    for (const int tree : TreesOf(m, contact).tree) {
+      if (tree >= 0) free = std::max(free, busy[tree]);
+    }
+    if (outlook.start + tau < free) continue;
+    gathered.tau[k] = tau;
+    gathered.due[k] = any = true;
+  }
+  return any;
 }
 
 }  // namespace mujoco_impact::engine

@@ -9,8 +9,8 @@
 
 #include <mujoco/mujoco.h>
 
-#include "engine/deliver.h"
-#include "engine/motion.h"
+#include "engine/contact_path.h"
+#include "engine/outlook.h"
 #include "engine/ownership.h"
 #include "engine/scratch.h"
 
@@ -19,30 +19,23 @@ namespace mujoco_impact::engine {
 // Whether any released contact may close within the step: all that most steps ever ask.
 bool AnyMayClose(const mjModel* m, const mjData* d, mjtNum touch);
 
-// The path of the bodies through the step and what comes after it.
-struct Outlook {
-  Motion motion;    // path, bent by the step average of the pulses under way
-  mjtNum* bend;     // acceleration of those pulses (nv), null if there are none
-  mjtNum* arrears;  // M⁻¹ Jᵀ of what they have yet to deliver (nv)
-};
-
-Outlook LookAhead(const mjModel* m, mjData* d, const Delivery& delivery, bool pulses,
-                  Scratch& scratch);
-
-// Velocity at τ, every pulse under way delivered: impacts are decided on the velocity the bodies
-// will have, or a body struck in the middle of a long pulse would get too small a share (nv).
-mjtNum* SettledVelocity(const mjModel* m, const Outlook& outlook, mjtNum tau, Scratch& scratch);
-
+// The owned contacts between bodies of which at least one moves.
 struct Gathered {
   int count;
-  int* contact;  // indices into mjData.contact
-  bool* due;     // whether it closes within the step
-  mjtNum* tau;   // when, if due [s]
+  int* contact;           // indices into mjData.contact
+  ContactAnchor* anchor;  // the same, wherever the bodies are
+  bool* due;              // whether it closes in the rest of the step
+  mjtNum* tau;            // when, from the time of the outlook, if due [s]
 };
 
-// All owned contacts between bodies of which at least one moves.
-Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership, mjtNum touch,
-                        const Outlook& outlook, Scratch& scratch);
+Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership,
+                        Scratch& scratch);
+
+// Finds out which contacts close in the rest of the step; true if any does. `busy` [s] says until
+// when each kinematic tree is taken by an impact that is already resolved, from the start of the
+// step (ntree).
+bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum touch,
+             const mjtNum* busy, Gathered& gathered, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

@@ -117,11 +117,12 @@ law::DelassusMatrix BuildDelassus(const mjModel* m, const IslandSystem& system, 
 
 }  // namespace
 
-size_t IslandBytes(const mjModel* m, const mjData* d, const int* contacts, int count) {
+size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts,
+                   const int* position, int count) {
   // each contact couples with all contacts of its trees: bound the matrix by counting them twice
   size_t dofs = 0;
   for (int i = 0; i < count; ++i) {
-    for (const int tree : TreesOf(m, d->contact[contacts[i]]).tree) {
+    for (const int tree : TreesOf(m, d->contact[contacts.contact[position[i]]]).tree) {
       if (tree >= 0) dofs += m->tree_dofnum[tree];
     }
   }
@@ -130,13 +131,15 @@ size_t IslandBytes(const mjModel* m, const mjData* d, const int* contacts, int c
          m->ntree * sizeof(int);
 }
 
-IslandSystem BuildIsland(const mjModel* m, const mjData* d, const int* contacts, int count,
-                         const Motion& motion, mjtNum tau, Scratch& scratch) {
+IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Gathered& contacts,
+                         const int* position, int count, const Motion& motion, mjtNum tau,
+                         Scratch& scratch) {
   IslandSystem system{count, scratch.Take<ContactRow>(count), {}};
   for (int k = 0; k < count; ++k) {
-    const mjContact& contact = d->contact[contacts[k]];
-    ContactRow* row =
-        new (&system.row[k]) ContactRow{&contact, ContactPath(m, d, contact, motion), {}, 0, {}};
+    const int i = position[k];
+    ContactRow* row = new (&system.row[k])
+        ContactRow{&d->contact[contacts.contact[i]],
+                   ContactPath(m, d, contacts.anchor[i], motion), {}, 0, {}};
     FillRow(m, d, tau, *row, scratch);
   }
   system.delassus = BuildDelassus(m, system, scratch);

@@ -11,6 +11,7 @@
 #include <mujoco/mujoco.h>
 
 #include "engine/contact_path.h"
+#include "engine/gather.h"
 #include "engine/motion.h"
 #include "engine/scratch.h"
 #include "law/impact_problem.h"
@@ -38,12 +39,14 @@ struct IslandSystem {
   law::DelassusMatrix delassus;
 };
 
-// Bytes of scratch that an island of these contacts takes.
-size_t IslandBytes(const mjModel* m, const mjData* d, const int* contacts, int count);
+// Bytes of scratch that the island of the contacts at these positions takes.
+size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts,
+                   const int* position, int count);
 
 // Builds the rows at time τ on the path of `motion`.
-IslandSystem BuildIsland(const mjModel* m, const mjData* d, const int* contacts, int count,
-                         const Motion& motion, mjtNum tau, Scratch& scratch);
+IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Gathered& contacts,
+                         const int* position, int count, const Motion& motion, mjtNum tau,
+                         Scratch& scratch);
 
 // J_k x for a vector of all degrees of freedom.
 mjtNum RowTimes(const mjModel* m, const ContactRow& row, const mjtNum* x);

@@ -95,7 +95,8 @@ void SolveHertz(const Config& config, const IslandSystem& system, const ImpactTi
   const law::ImpactProblem impact{
       system.delassus,          problem.closing_speed, problem.gap,
       problem.stiffness,        config.restitution,    config.dissipation,
-      time.timestep - time.tau, law::kDefaultTolerance};
+      time.timestep - time.start - time.tau,
+                                  time.flight, law::kDefaultTolerance};
   law::ImpactSolution solution{problem.impulse, problem.moment, problem.onset, problem.after};
   law::SolveImpact(impact, config.passive, &solution, problem.work);
 }
@@ -154,7 +155,8 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   }
 
   // the waveform: when they come
-  const bool timed = hertz && config.duration_rule == DurationRule::kHertz;
+  const bool timed = InstantRule(config);
+  const mjtNum tau = time.start + time.tau;
   mjtNum common = config.duration;
   if (config.duration_rule == DurationRule::kPaper) {
     common = law::CalibratedDuration(config.calibrated, momentum);
@@ -167,7 +169,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
     if (P <= 0) continue;
     const mjtNum onset = timed ? problem.onset[k] : 0;
     const mjtNum W = timed ? DurationFromMoment(P, problem.moment[k], onset, e) : common;
-    impacts[k] = {P, alpha[k], time.tau + onset, W, problem.moment[k] + time.tau * P, false};
+    impacts[k] = {P, alpha[k], tau + onset, W, problem.moment[k] + tau * P, false};
     end = std::max(end, onset + W);
   }
   for (int k = 0; k < system.size; ++k) impacts[k].at_once = timed && end <= time.timestep;

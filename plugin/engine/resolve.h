@@ -23,8 +23,10 @@ struct Impact {
 };
 
 struct ImpactTime {
-  mjtNum tau;       // when the first contact of the island closes, from the start of the step [s]
+  mjtNum start;     // of the path, from the start of the step [s]
+  mjtNum tau;       // when the first contact of the island closes, from there [s]
   mjtNum timestep;  // h [s]
+  mjtNum flight;    // contacts that close after a longer flight are left for later [s]
   int first;        // which contact of the island that is
 };
 

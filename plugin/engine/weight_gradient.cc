@@ -98,10 +98,12 @@ class DisplacedTree {
 
 }  // namespace
 
-mjtNum PathFactor(const mjModel* m, mjtNum s) {
+PathWeights DetourWeights(const mjModel* m) {
   const mjtNum h = m->opt.timestep;
-  if (m->opt.integrator == mjINT_RK4) return 0.5 * (h - s) * (h - s) - h * h / 6;
-  return -0.5 * s * (h - s);
+  // (h − s)²/2 − h²/6
+  if (m->opt.integrator == mjINT_RK4) return {h * h / 3, -h, 0.5};
+  // −s (h − s)/2
+  return {0, -0.5 * h, 0.5};
 }
 
 void AddWeightGradient(const mjModel* m, mjData* d, const mjtNum* u, mjtNum* result) {

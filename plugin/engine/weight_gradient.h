@@ -25,8 +25,11 @@
 
 namespace mujoco_impact::engine {
 
-// The factor above for an impulse at time s [s²].
-mjtNum PathFactor(const mjModel* m, mjtNum s);
+// The factor above as weights of P, P s and P s².
+struct PathWeights {
+  mjtNum impulse, moment, second;
+};
+PathWeights DetourWeights(const mjModel* m);
 
 // result += (∂Q/∂q) u, Q the generalized forces of gravity and joint springs (nv each). Only trees
 // that u moves are visited.

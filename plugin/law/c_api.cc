@@ -103,6 +103,7 @@ MUJOCO_IMPACT_API int mujoco_impact_solve(int size, const int* row_start, const 
                                    restitution,
                                    static_cast<law::Dissipation>(dissipation),
                                    horizon,
+                                   horizon,
                                    tolerance};
   law::ImpactSolution solution{impulse, moment, onset, after};
   const law::ImpactReport report =

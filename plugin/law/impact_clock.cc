@@ -2,13 +2,15 @@
 
 #include "law/impact_clock.h"
 
+#include <algorithm>
+
 namespace mujoco_impact::law {
 
 bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Window& window, double t,
             const double* y, const double* c) {
   const double y_floor = kCompressionFloor * scale.compression;
   const double c_floor = kSpeedFloor * scale.speed;
-  const double time_left = problem.horizon - t;
+  const double time_left = std::min(problem.flight, problem.horizon - t);
   for (int i = 0; i < window.size(); ++i) {
     const int k = window[i];
     if (y[k] > y_floor) return false;
@@ -27,7 +29,7 @@ bool AnyCompressed(const Window& window, const double* y) {
 
 bool FlyToNextClosing(const ImpactProblem& problem, const Window& window, double* t, double* y,
                       const double* c) {
-  double flight = problem.horizon - *t;
+  double flight = std::min(problem.flight, problem.horizon - *t);
   int next = -1;
   for (int i = 0; i < window.size(); ++i) {
     const int k = window[i];

@@ -18,13 +18,13 @@ namespace mujoco_impact::law {
 constexpr double kCompressionFloor = 1e-5;
 constexpr double kSpeedFloor = 1e-6;
 
-// Whether every contact has opened, or will not close before the horizon; y, c at time t.
+// Whether every contact has opened, or will not close in time; y, c at time t.
 bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Window& window, double t,
             const double* y, const double* c);
 
 bool AnyCompressed(const Window& window, const double* y);
 
-// Flies to the next closing, no contact being compressed; false if none comes before the horizon.
+// Flies to the next closing, no contact being compressed; false if none comes in time.
 bool FlyToNextClosing(const ImpactProblem& problem, const Window& window, double* t, double* y,
                       const double* c);
 

@@ -6,6 +6,7 @@
 
 #include "law/compression.h"
 #include "law/hertz_contact.h"
+#include "law/impact_clock.h"
 #include "law/passivity.h"
 #include "law/viscous.h"
 
@@ -64,6 +65,7 @@ ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolut
   if (s > 0) {
     Scale(factor, n, solution->impulse);
     Scale(factor, n, solution->moment);
+    SpeedsAfter(problem, *solution);
   }
   return report;
 }

@@ -39,7 +39,8 @@ struct ImpactProblem {
   const double* stiffness;      // (size) K_k [N/m^1.5]
   double restitution;           // e in [0, 1]
   Dissipation dissipation;
-  double horizon;    // [s] a contact that would close later, all others open, is left alone
+  double horizon;    // [s] a contact that would close later, all others open, is left alone,
+  double flight;     // [s] and so is one that would close after a longer flight
   double tolerance;  // error allowed per step, relative to the speed and compression of the impact
 };
 

@@ -138,11 +138,10 @@ void Integrator::Accept(double h) {
       dP += weighted;
       dM += weighted * (t_ + kNode[j] * h);
     }
-    if (dP > 0) {
-      if (solution_.impulse[k] == 0) solution_.onset[k] = t_;
-      solution_.impulse[k] += dP;
-      solution_.moment[k] += dM;
-    }
+    // weights of the method are partly negative: a single share may be, the sum is not
+    if (dP != 0 && solution_.impulse[k] == 0) solution_.onset[k] = t_;
+    solution_.impulse[k] += dP;
+    solution_.moment[k] += dM;
     y_[k] = y_new_[k];
     c_[k] = c_new_[k];
   }
@@ -179,6 +178,7 @@ ImpactReport Integrator::Run() {
     }
     h *= StepGrowth(error, 5);
   }
+  for (int k = 0; k < n_; ++k) solution_.impulse[k] = std::max(0.0, solution_.impulse[k]);
   SpeedsAfter(problem_, solution_);
   return report;
 }

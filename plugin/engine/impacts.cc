@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/impacts.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "engine/config.h"
+#include "engine/gather.h"
+#include "engine/island_system.h"
+#include "engine/islands.h"
+#include "engine/outlook.h"
+#include "engine/ownership.h"
+#include "engine/resolve.h"
+#include "engine/slots.h"
+
+namespace mujoco_impact::engine {
+
+namespace {
+
+// After these rounds the rest of the step is resolved with the geometry of the last.
+constexpr int kMaxRounds = 32;
+
+// Of a step: contacts that close after a shorter flight than this belong to the same impact. The
+// lever arms are then off by the square of the angle turned meanwhile: 1e-2 of that of a step.
+constexpr mjtNum kSameImpact = 0.1;
+
+class Resolver {
+ public:
+  Resolver(const mjModel* m, mjData* d, int instance, State& state, Delivery& delivery,
+           Scratch& scratch)
+      : m_(m),
+        d_(d),
+        ownership_(m, instance),
+        config_(ReadConfig(m, instance, ownership_.size(), nullptr)),
+        state_(state),
+        delivery_(delivery),
+        scratch_(scratch),
+        contacts_(GatherContacts(m, d, ownership_, scratch)),
+        busy_(scratch.Zeros(static_cast<int>(m->ntree))) {}
+
+  void Run();
+
+ private:
+  void ResolveRound(const Outlook& outlook);
+  void ResolveIslandOf(const Outlook& outlook, const int* position, int count);
+  ImpactTime FirstClosing(const Outlook& outlook, const int* position, int count) const;
+  void AddImpact(const ContactRow& row, const Impact& impact);
+  bool MoreMayClose(const mjtNum* velocity);
+
+  const mjModel* m_;
+  mjData* d_;
+  const Ownership ownership_;
+  const Config config_;
+  State& state_;
+  Delivery& delivery_;
+  Scratch& scratch_;
+  Gathered contacts_;
+  mjtNum* busy_;  // until when each tree is taken by an impact [s from the start of the step]
+  mjtNum flight_ = 0;
+  mjtNum round_end_ = 0;   // when the first impact of the round is over
+  bool all_at_once_ = true;
+};
+
+// Delivers the part of a new pulse that belongs to this step. Without a free slot, and for an
+// impact that is over within a step, that is all of it: no momentum is lost.
+void Resolver::AddImpact(const ContactRow& row, const Impact& impact) {
+  const Pulse pulse = MakePulse(d_, row, impact, config_, state_);
+  const Share whole{impact.impulse, impact.moment, 1};
+  Share share =
+      impact.at_once ? whole : ShareOfStep(pulse, state_.header().clock, m_->opt.timestep);
+  if (!AddPending(state_, pulse, share.delivered_next)) share = whole;
+  AddRowTransposed(m_, row, share.impulse, delivery_.impulse);
+  AddRowTransposed(m_, row, share.moment, delivery_.moment);
+  AddRowTransposed(m_, row, SecondMoment(share), delivery_.second);
+  all_at_once_ = all_at_once_ && impact.at_once;
+}
+
+ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, int count) const {
+  ImpactTime time{outlook.start, 0, m_->opt.timestep, flight_, -1};
+  for (int k = 0; k < count; ++k) {
+    const int i = position[k];
+    if (!contacts_.due[i]) continue;
+    if (time.first >= 0 && contacts_.tau[i] >= time.tau) continue;
+    time.tau = contacts_.tau[i];
+    time.first = k;
+  }
+  return time;
+}
+
+void Resolver::ResolveIslandOf(const Outlook& outlook, const int* position, int count) {
+  Scratch scratch(d_);
+  if (!scratch.Fits(IslandBytes(m_, d_, contacts_, position, count))) {
+    mju_warning(
+        "mujoco_impact.waveform: an impact of %d contacts needs more memory than mjData has left "
+        "and is skipped; raise <size memory=\"...\"/> in the model",
+        count);
+    return;
+  }
+  const ImpactTime time = FirstClosing(outlook, position, count);
+  const IslandSystem system =
+      BuildIsland(m_, d_, contacts_, position, count, outlook.motion, time.tau, scratch);
+  const mjtNum* velocity = SettledVelocity(m_, outlook, time.tau, scratch);
+  Impact* impacts = scratch.Take<Impact>(count);
+  ResolveIsland(m_, config_, ownership_, system, time, velocity, impacts, scratch);
+  mjtNum end = time.start + time.tau;
+  for (int k = 0; k < count; ++k) {
+    if (impacts[k].impulse <= 0) continue;
+    AddImpact(system.row[k], impacts[k]);
+    end = std::max(end, impacts[k].moment / impacts[k].impulse);
+  }
+  round_end_ = std::min(round_end_, end);
+  for (int k = 0; k < count; ++k) {
+    if (impacts[k].impulse <= 0) continue;
+    for (const RowSegment& segment : system.row[k].segment) {
+      if (segment.tree >= 0) busy_[segment.tree] = end;
+    }
+  }
+}
+
+void Resolver::ResolveRound(const Outlook& outlook) {
+  Scratch scratch(d_);
+  const Islands islands =
+      FindIslands(m_, d_, contacts_.contact, contacts_.due, contacts_.count, scratch);
+  round_end_ = m_->opt.timestep;
+  for (int i = 0; i < islands.number; ++i) {
+    const int begin = islands.start[i];
+    ResolveIslandOf(outlook, islands.position + begin, islands.start[i + 1] - begin);
+  }
+}
+
+// Whether any contact may close before the end of the step with the velocity the impacts left.
+bool Resolver::MoreMayClose(const mjtNum* velocity) {
+  Scratch scratch(d_);
+  mjtNum* none = scratch.Zeros(m_->nv);
+  Motion motion{scratch.Take<mjtNum>(m_->nv), none, none};
+  mju_copy(motion.velocity, velocity, m_->nv);
+  const mjtNum h = m_->opt.timestep;
+  for (int k = 0; k < contacts_.count; ++k) {
+    const ContactPath path(m_, d_, contacts_.anchor[k], motion);
+    if (path.GapRate(0) < 0 && path.Gap(0) + h * path.GapRate(0) < -config_.touch) return true;
+  }
+  return false;
+}
+
+void Resolver::Run() {
+  const bool pulses = state_.header().active > 0;
+  Outlook outlook = LookAhead(m_, d_, delivery_, pulses, scratch_);
+  const Motion start = outlook.motion;
+  BodiesInStep bodies(m_, d_, start, scratch_);
+  const mjtNum h = m_->opt.timestep;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    if (!FindDue(m_, d_, outlook, config_.touch, busy_, contacts_, scratch_)) return;
+    const bool last = round == kMaxRounds - 1 || pulses || !all_at_once_ || !InstantRule(config_);
+    flight_ = last ? std::numeric_limits<mjtNum>::infinity() : kSameImpact * h;
+    ResolveRound(outlook);
+    if (last || !all_at_once_ || round_end_ >= h) return;
+    if (!MoreMayClose(bodies.KickedVelocity(delivery_))) return;
+    outlook = bodies.MoveTo(round_end_, delivery_);
+  }
+}
+
+}  // namespace
+
+void ResolveImpacts(const mjModel* m, mjData* d, int instance, State& state, Delivery& delivery,
+                    Scratch& scratch) {
+  Resolver(m, d, instance, state, delivery, scratch).Run();
+}
+
+}  // namespace mujoco_impact::engine

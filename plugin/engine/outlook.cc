@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/outlook.h"
+
+namespace mujoco_impact::engine {
+
+Outlook LookAhead(const mjModel* m, mjData* d, const Delivery& delivery, bool pulses,
+                  Scratch& scratch) {
+  Outlook outlook{0, PredictMotion(m, d, scratch), nullptr, nullptr};
+  if (!pulses) return outlook;
+  outlook.bend = scratch.Take<mjtNum>(m->nv);
+  outlook.arrears = scratch.Take<mjtNum>(m->nv);
+  mj_solveM(m, d, outlook.bend, delivery.impulse, 1);
+  mju_scl(outlook.bend, outlook.bend, 1 / m->opt.timestep, m->nv);
+  mju_addTo(outlook.motion.acceleration, outlook.bend, m->nv);
+  mj_solveM(m, d, outlook.arrears, delivery.remaining, 1);
+  return outlook;
+}
+
+mjtNum* SettledVelocity(const mjModel* m, const Outlook& outlook, mjtNum tau, Scratch& scratch) {
+  mjtNum* velocity = scratch.Take<mjtNum>(m->nv);
+  VelocityOnPath(m, outlook.motion, tau, velocity);
+  if (outlook.arrears) {
+    // the part that the path already has by τ is not to come again
+    mju_addTo(velocity, outlook.arrears, m->nv);
+    mju_addToScl(velocity, outlook.bend, -tau, m->nv);
+  }
+  return velocity;
+}
+
+BodiesInStep::BodiesInStep(const mjModel* m, mjData* d, const Motion& motion, Scratch& scratch)
+    : m_(m),
+      d_(d),
+      motion_(motion),
+      qpos_(scratch.Take<mjtNum>(m->nq)),
+      qvel_(scratch.Take<mjtNum>(m->nv)),
+      moved_{scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv),
+             scratch.Take<mjtNum>(m->nv)},
+      kick_(scratch.Take<mjtNum>(m->nv)),
+      displacement_(scratch.Take<mjtNum>(m->nv)),
+      work_(scratch.Take<mjtNum>(m->nv)) {
+  mju_copy(qpos_, d->qpos, m->nq);
+  mju_copy(qvel_, d->qvel, m->nv);
+}
+
+BodiesInStep::~BodiesInStep() {
+  if (away_) Place(nullptr, qvel_);
+}
+
+const mjtNum* BodiesInStep::KickedVelocity(const Delivery& delivery) {
+  mj_solveM(m_, d_, kick_, delivery.impulse, 1);
+  mju_addTo(kick_, motion_.velocity, m_->nv);
+  return kick_;
+}
+
+Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery) {
+  const int nv = m_->nv;
+  // G M⁻¹ Jᵀ of P, P (t − s) and P (t − s)²/2
+  const auto gradient = [&](const mjtNum* kick, mjtNum* result) {
+    mju_zero(work_, nv);
+    AddWeightGradient(m_, d_, kick, work_);
+    mj_solveM(m_, d_, result, work_, 1);
+  };
+  mjtNum *v = moved_.velocity, *a = moved_.acceleration, *b = moved_.jerk;
+  mj_solveM(m_, d_, kick_, delivery.impulse, 1);
+  gradient(kick_, b);
+  mju_scl(work_, delivery.impulse, t, nv);
+  mju_subFrom(work_, delivery.moment, nv);
+  mj_solveM(m_, d_, displacement_, work_, 1);
+  gradient(displacement_, a);
+  for (int i = 0; i < nv; ++i) {
+    work_[i] = 0.5 * t * t * delivery.impulse[i] - t * delivery.moment[i] + 0.5 * delivery.second[i];
+  }
+  mj_solveM(m_, d_, v, work_, 1);
+  gradient(v, v);
+  for (int i = 0; i < nv; ++i) {
+    const mjtNum V = motion_.velocity[i], A = motion_.acceleration[i], B = motion_.jerk[i];
+    displacement_[i] += V * t + A * t * t / 2 + B * t * t * t / 6;
+    v[i] += V + A * t + B * t * t / 2 + kick_[i];
+    a[i] += A + B * t;
+    b[i] += B;
+  }
+  Place(displacement_, v);
+  return {t, moved_, nullptr, nullptr};
+}
+
+// MuJoCo's own kinematics at qpos ⊕ displacement, or at qpos if that is null: the same code with the same input gives the same
+// bits when the bodies are put back.
+void BodiesInStep::Place(const mjtNum* displacement, const mjtNum* velocity) {
+  mju_copy(d_->qpos, qpos_, m_->nq);
+  if (displacement) mj_integratePos(m_, d_->qpos, displacement, 1);
+  mju_copy(d_->qvel, velocity, m_->nv);
+  mj_kinematics(m_, d_);
+  mj_comPos(m_, d_);
+  mj_comVel(m_, d_);
+  away_ = true;
+}
+
+}  // namespace mujoco_impact::engine

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the bodies are about to do, from a time within the step on.
+//
+// At the start of the step that is the free motion, bent by pulses under way. After impacts within
+// the step it is the motion they leave: with impulses P at times s (sums P, P s, P s² in Delivery),
+//
+//   Δq(t) = V t + a t²/2 + b t³/6 + M⁻¹ Jᵀ P (t − s)
+//   v(t) = V + a t + b t²/2 + (1 + G (t − s)²/2) M⁻¹ Jᵀ P
+//   a(t) = a + b t + G M⁻¹ Jᵀ P (t − s),   b(t) = b + G M⁻¹ Jᵀ P,   G = M⁻¹ (∂Q/∂q)
+//
+// and the bodies are moved there, so that the next impact sees the geometry of its own time.
+
+#ifndef MUJOCO_IMPACT_ENGINE_OUTLOOK_H_
+#define MUJOCO_IMPACT_ENGINE_OUTLOOK_H_
+
+#include <mujoco/mujoco.h>
+
+#include "engine/deliver.h"
+#include "engine/motion.h"
+#include "engine/scratch.h"
+
+namespace mujoco_impact::engine {
+
+struct Outlook {
+  mjtNum start;     // time it begins, from the start of the step [s]
+  Motion motion;    // path from there on
+  mjtNum* bend;     // acceleration by the pulses under way (nv), null if there are none
+  mjtNum* arrears;  // M⁻¹ Jᵀ of what they have yet to deliver (nv)
+};
+
+// From the start of the step; `pulses` says whether any is under way.
+Outlook LookAhead(const mjModel* m, mjData* d, const Delivery& delivery, bool pulses,
+                  Scratch& scratch);
+
+// Velocity at τ, every pulse under way delivered: impacts are decided on the velocity the bodies
+// will have, or a body struck in the middle of a long pulse would get too small a share (nv).
+mjtNum* SettledVelocity(const mjModel* m, const Outlook& outlook, mjtNum tau, Scratch& scratch);
+
+// The bodies at times within the step. They are put back where they were when it ends.
+class BodiesInStep {
+ public:
+  BodiesInStep(const mjModel* m, mjData* d, const Motion& motion, Scratch& scratch);
+  ~BodiesInStep();
+  BodiesInStep(const BodiesInStep&) = delete;
+  BodiesInStep& operator=(const BodiesInStep&) = delete;
+
+  // Velocity that the impulses delivered so far leave, as if they had come at the start (nv).
+  const mjtNum* KickedVelocity(const Delivery& delivery);
+
+  // Moves the bodies to time t, after the impulses in `delivery`, and looks ahead from there.
+  Outlook MoveTo(mjtNum t, const Delivery& delivery);
+
+ private:
+  void Place(const mjtNum* displacement, const mjtNum* velocity);
+
+  const mjModel* m_;
+  mjData* d_;
+  const Motion& motion_;
+  mjtNum *qpos_, *qvel_;  // at the start of the step
+  Motion moved_;
+  mjtNum *kick_, *displacement_, *work_;
+  bool away_ = false;
+};
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_OUTLOOK_H_
