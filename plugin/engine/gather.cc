@@ -2,8 +2,6 @@
 
 #include "engine/gather.h"
 
-#include <algorithm>
-
 #include "engine/islands.h"
 
 namespace mujoco_impact::engine {
@@ -63,11 +61,9 @@ bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum t
     if (outlook.start == 0 && !MayClose(m, d, contact, touch)) continue;
     mjtNum tau;
     if (!IsDue(m, d, outlook, settled, touch, gathered.anchor[k], &tau)) continue;
-    mjtNum free = 0;
-    for (const int tree : TreesOf(m, contact).tree) {
-      if (tree >= 0) free = std::max(free, busy[tree]);
-    }
-    if (outlook.start + tau < free) continue;
+    const auto [first, second] = TreesOf(m, contact).tree;
+    const mjtNum time = outlook.start + tau;
+    if ((first >= 0 && time < busy[first]) || (second >= 0 && time < busy[second])) continue;
     gathered.tau[k] = tau;
     gathered.due[k] = any = true;
   }

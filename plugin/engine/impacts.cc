@@ -37,7 +37,9 @@ class Resolver {
         delivery_(delivery),
         scratch_(scratch),
         contacts_(GatherContacts(m, d, ownership_, scratch)),
-        busy_(scratch.Zeros(static_cast<int>(m->ntree))) {}
+        busy_(scratch.Take<mjtNum>(m->ntree)) {
+    std::fill_n(busy_, m->ntree, -m->opt.timestep);  // before any closing, late ones included
+  }
 
   void Run();
 

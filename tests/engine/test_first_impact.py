@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
-from scenes import INTEGRATORS, pendulums
+from scenes import INTEGRATORS, free_row, pendulums
 
 import cradle_models
 from mujoco_impact import metrics, reference
@@ -91,3 +91,11 @@ def test_the_error_falls_with_the_square_of_the_timestep():
     ]
     # second order divides by 4; where in the step the impact falls halves that at worst
     assert errors[0] > 1.8 * errors[1] > 1.8**2 * errors[2]
+
+
+def test_a_ball_that_arrives_exactly_at_the_end_of_a_step_is_not_missed():
+    """A closing at the last instant of a step belongs to the next one, at its start."""
+    model, data = free_row([0.1, 0.1], speed=1.0, start=0.008, timestep=0.002)
+    for _ in range(10):
+        mujoco.mj_step(model, data)
+    assert data.qvel[6] == pytest.approx(1.0, rel=1e-12)

@@ -1,4 +1,4 @@
-"""Islands of contacts for the tests of the law, and a way to integrate rows of balls."""
+"""Islands of contacts for the tests of the law, and their integration by scipy."""
 
 from __future__ import annotations
 
@@ -161,8 +161,8 @@ def networks(draw) -> Island:
 def integrate(of: Island, *, restitution: float = 1.0) -> np.ndarray:
     """Velocities after the impact by scipy, in body space.
 
-    m v' = J^T F, F = K max(y, 0)^1.5, c = -J v, and y' = c, but c/e^2 where a compressed
-    contact expands. No law of this package is involved.
+    m v' = J^T F, F = K max(y, 0)^1.5, c = -J v, and y' = c, but c/e^2 where a
+    compressed contact expands. No law of this package is involved.
     """
     length = float((of.mass.mean() * of.fastest**2 / of.stiffness.mean()) ** 0.4)
     time = length / of.fastest

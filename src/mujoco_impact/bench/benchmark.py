@@ -1,0 +1,111 @@
+"""Running the benchmark: every scene with every method that suits it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from mujoco_impact.bench import compiled, mujoco_methods, peers, sequential
+from mujoco_impact.bench.machine import machine, versions
+from mujoco_impact.bench.measure import QUICK, Effort, SceneBench
+from mujoco_impact.bench.methods import MethodFamily
+from mujoco_impact.bench.points import Point
+from mujoco_impact.bench.results import Results
+from mujoco_impact.bench.scenes import BenchScene, choose_scenes
+from mujoco_impact.bench.steps import step_times
+from mujoco_impact.bench.truths import truth_of
+from mujoco_impact.errors import ConfigError
+
+NOT_ON_PYPI = (
+    "Siconos: no Python package with its multiple-impact law; "
+    "Newton, Genesis, Drake, SAPIEN: not part of the extra `peers`"
+)
+"""Engines that were looked at and are not measured here."""
+
+
+def run_benchmark(
+    *,
+    scenes: Sequence[str] | None = None,
+    methods: Sequence[str] | None = None,
+    quick: bool = False,
+    steps: bool = True,
+    progress: Callable[[str], None] | None = None,
+) -> Results:
+    """Measures run time and error of every method in every scene.
+
+    Args:
+        scenes: Names of scenes; None: all.
+        methods: Names of methods; None: all.
+        quick: Only the recommended settings, and few timings.
+        steps: Whether to time single steps, too.
+        progress: Called with each stage as it begins.
+
+    Raises:
+        SceneError: If a scene is unknown.
+        ConfigError: If a method is unknown.
+    """
+    report = progress or (lambda _: None)
+    chosen_scenes = choose_scenes(None if scenes is None else list(scenes))
+    families = choose_methods(methods)
+    effort = QUICK if quick else Effort()
+    points = list[Point]()
+    for scene in chosen_scenes:
+        points += _scene_points(scene, families, effort, quick, report)
+    timed = ()
+    if steps:
+        shortened = {"duration": 2.0, "repeats": 2} if quick else {}
+        timed = step_times(progress=report, **shortened)
+    return Results(
+        scenes={scene.name: scene.title for scene in chosen_scenes},
+        methods={family.name: family.title for family in families},
+        points=tuple(points),
+        steps=timed,
+        missing={family.name: family.missing for family in families if family.missing},
+        versions=versions(families),
+        machine=machine(),
+        quick=quick,
+    )
+
+
+def choose_methods(names: Sequence[str] | None) -> tuple[MethodFamily, ...]:
+    """Returns the methods of the given names, all of them for None.
+
+    Raises:
+        ConfigError: If a name is unknown.
+    """
+    known = {
+        family.name: family
+        for family in (
+            *mujoco_methods.families(),
+            sequential.family(),
+            compiled.family(),
+            *peers.families(),
+        )
+    }
+    for name in names or ():
+        if name not in known:
+            msg = f"there is no method {name!r} (available: {', '.join(known)})"
+            raise ConfigError(msg)
+    return tuple(known.values() if names is None else (known[name] for name in names))
+
+
+def _scene_points(
+    scene: BenchScene,
+    families: Sequence[MethodFamily],
+    effort: Effort,
+    quick: bool,
+    report: Callable[[str], None],
+) -> list[Point]:
+    """Returns the points of one scene."""
+    candidates = [
+        candidate
+        for family in families
+        for candidate in family.candidates
+        if candidate.suits(scene) and (candidate.quick or not quick)
+    ]
+    report(f"{scene.name}: Hertz reference")
+    bench = SceneBench(scene, truth_of(scene), effort)
+    points = list[Point]()
+    for number, candidate in enumerate(candidates, start=1):
+        report(f"{scene.name}: {candidate.method} ({number} of {len(candidates)})")
+        points.append(bench.point(candidate))
+    return points
