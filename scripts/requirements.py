@@ -1,5 +1,7 @@
 """Prints the requirements of a pyproject.toml, extras included, one a line.
 
+    requirements.py PYPROJECT [EXTRA]    with EXTRA, only those of that extra
+
 Used by `scripts/setup`, which installs the project against a MuJoCo of its own choice
 and so cannot let pip read them.
 """
@@ -13,10 +15,12 @@ else:
     from pip._vendor import tomli as tomllib
 
 
-def requirements(text: str) -> list[str]:
-    """Returns run-time requirements and those of all extras."""
+def requirements(text: str, extra: str | None = None) -> list[str]:
+    """Returns run-time requirements and those of all extras, or those of one extra."""
     project = tomllib.loads(text)["project"]
     extras = project.get("optional-dependencies", {})
+    if extra is not None:
+        return list(extras[extra])
     # dm_control and peers are heavy: only the tests that need them install them
     wanted = [extra for extra in extras if extra not in OPTIONAL]
     return project["dependencies"] + [
@@ -27,4 +31,5 @@ def requirements(text: str) -> list[str]:
 OPTIONAL = ("peers",)
 
 if __name__ == "__main__":
-    print("\n".join(requirements(Path(sys.argv[1]).read_text(encoding="utf-8"))))
+    pyproject, *chosen = sys.argv[1:]
+    print("\n".join(requirements(Path(pyproject).read_text(encoding="utf-8"), *chosen)))

@@ -50,11 +50,12 @@ int main(int argc, char** argv) {
                                    1.0,           law::Dissipation::kBistiffness,
                                    1e-3,          law::kDefaultTolerance};
   std::vector<double> impulse(contacts), moment(contacts), onset(contacts), after(contacts);
-  std::vector<double> work(law::ImpactWorkspace(static_cast<int>(contacts)));
+  std::vector<double> numbers(law::ImpactNumbers(static_cast<int>(contacts)));
+  std::vector<int> indices(law::ImpactIndices(static_cast<int>(contacts)));
   law::ImpactSolution solution{impulse.data(), moment.data(), onset.data(), after.data()};
   law::ImpactReport report{};
   for (int repeat = 0; repeat < repeats; ++repeat) {
-    report = MeasuredImpact(problem, &solution, work.data());
+    report = MeasuredImpact(problem, &solution, {numbers.data(), indices.data()});
   }
   std::printf("steps %d last_velocity %.9f\n", report.steps, impulse.back() / kMass);
   return report.converged ? 0 : 1;

@@ -2,6 +2,8 @@
 
 #include "engine/gather.h"
 
+#include <algorithm>
+
 #include "engine/islands.h"
 
 namespace mujoco_impact::engine {
@@ -14,7 +16,8 @@ constexpr mjtNum kLatest = 0.25;
 bool IsDue(const mjModel* m, const mjData* d, const Outlook& outlook, const Motion& settled,
            mjtNum touch, const ContactAnchor& anchor, mjtNum* tau) {
   const mjtNum h = m->opt.timestep;
-  const mjtNum late = outlook.start == 0 ? kLatest * h : 0;
+  // later in the step: since its start, for the impacts before may have closed it meanwhile
+  const mjtNum late = outlook.start == 0 ? kLatest * h : outlook.start;
   const ContactPath path(m, d, anchor, outlook.motion);
   if (!path.ClosingTime(h - outlook.start, late, touch, tau)) return false;
   // with pulses under way, a contact that they will part is not an impact
@@ -41,12 +44,50 @@ Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& owne
     const ContactTrees trees = TreesOf(m, contact);
     if (trees.tree[0] >= 0 || trees.tree[1] >= 0) owned[count++] = i;
   }
-  Gathered gathered{count, owned, scratch.Take<ContactAnchor>(count), scratch.Take<bool>(count),
+  Gathered gathered{count,
+                    owned,
+                    scratch.Take<ContactAnchor>(count),
+                    scratch.Take<bool>(count),
+                    scratch.Take<bool>(count),
+                    scratch.Take<bool>(count),
                     scratch.Take<mjtNum>(count)};
-  for (int k = 0; k < count; ++k) {
-    gathered.anchor[k] = AnchorContact(m, d, d->contact[owned[k]]);
-  }
+  std::fill_n(gathered.anchored, count, false);
   return gathered;
+}
+
+const ContactAnchor& Anchor(const mjModel* m, const mjData* d, Gathered& gathered, int k) {
+  if (!gathered.anchored[k]) {
+    gathered.anchor[k] = AnchorContact(m, d, d->contact[gathered.contact[k]]);
+    gathered.anchored[k] = true;
+  }
+  return gathered.anchor[k];
+}
+
+void FindNear(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum reach,
+              Gathered& gathered) {
+  const mjtNum time_left = m->opt.timestep - outlook.start;
+  for (int k = 0; k < gathered.count; ++k) {
+    const mjContact& contact = d->contact[gathered.contact[k]];
+    if (outlook.start == 0) {
+      const mjtNum travel = std::max<mjtNum>(0, ClosingSpeed(m, d, contact)) * time_left;
+      gathered.near[k] = contact.dist - travel <= reach;
+    } else {
+      const ContactPath path(m, d, Anchor(m, d, gathered, k), outlook.motion);
+      const mjtNum travel = std::max<mjtNum>(0, -path.GapRate(0)) * time_left;
+      gathered.near[k] = path.Gap(0) - travel <= reach;
+    }
+  }
+}
+
+mjtNum FastestClosing(const mjModel* m, const mjData* d, const Outlook& outlook,
+                      Gathered& gathered) {
+  mjtNum fastest = 0;
+  for (int k = 0; k < gathered.count; ++k) {
+    if (!gathered.due[k]) continue;
+    const ContactPath path(m, d, Anchor(m, d, gathered, k), outlook.motion);
+    fastest = std::max(fastest, -path.GapRate(gathered.tau[k]));
+  }
+  return fastest;
 }
 
 bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum touch,
@@ -60,10 +101,15 @@ bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum t
     // the bodies are still where MuJoCo found the contact: its velocities tell
     if (outlook.start == 0 && !MayClose(m, d, contact, touch)) continue;
     mjtNum tau;
-    if (!IsDue(m, d, outlook, settled, touch, gathered.anchor[k], &tau)) continue;
-    const auto [first, second] = TreesOf(m, contact).tree;
-    const mjtNum time = outlook.start + tau;
-    if ((first >= 0 && time < busy[first]) || (second >= 0 && time < busy[second])) continue;
+    if (!IsDue(m, d, outlook, settled, touch, Anchor(m, d, gathered, k), &tau)) continue;
+    mjtNum free = -m->opt.timestep;
+    for (const int tree : TreesOf(m, contact).tree) {
+      if (tree >= 0) free = std::max(free, busy[tree]);
+    }
+    // a body whose impact is still to come is not yet on the path that the outlook shows; one whose
+    // impact is over cannot have closed the contact before
+    if (free > outlook.start && outlook.start + tau < free) continue;
+    if (outlook.start > 0) tau = std::max(tau, std::min<mjtNum>(0, free - outlook.start));
     gathered.tau[k] = tau;
     gathered.due[k] = any = true;
   }

@@ -45,9 +45,11 @@ class Resolver {
 
  private:
   void ResolveRound(const Outlook& outlook);
-  void ResolveIslandOf(const Outlook& outlook, const int* position, int count);
+  void ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, const int* position,
+                       int count);
   ImpactTime FirstClosing(const Outlook& outlook, const int* position, int count) const;
   void AddImpact(const ContactRow& row, const Impact& impact);
+  bool WasStruck(int k) const;
   bool MoreMayClose(const mjtNum* velocity);
 
   const mjModel* m_;
@@ -90,7 +92,8 @@ ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, i
   return time;
 }
 
-void Resolver::ResolveIslandOf(const Outlook& outlook, const int* position, int count) {
+void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, const int* position,
+                               int count) {
   Scratch scratch(d_);
   if (!scratch.Fits(IslandBytes(m_, d_, contacts_, position, count))) {
     mju_warning(
@@ -99,7 +102,6 @@ void Resolver::ResolveIslandOf(const Outlook& outlook, const int* position, int 
         count);
     return;
   }
-  const ImpactTime time = FirstClosing(outlook, position, count);
   const IslandSystem system =
       BuildIsland(m_, d_, contacts_, position, count, outlook.motion, time.tau, scratch);
   const mjtNum* velocity = SettledVelocity(m_, outlook, time.tau, scratch);
@@ -122,16 +124,35 @@ void Resolver::ResolveIslandOf(const Outlook& outlook, const int* position, int 
 
 void Resolver::ResolveRound(const Outlook& outlook) {
   Scratch scratch(d_);
+  // what the fastest body may travel in an impact: it may leave it at up to twice its speed
+  const mjtNum fastest = 2 * FastestClosing(m_, d_, outlook, contacts_);
+  FindNear(m_, d_, outlook, fastest * flight_, contacts_);
   const Islands islands =
-      FindIslands(m_, d_, contacts_.contact, contacts_.due, contacts_.count, scratch);
+      FindIslands(m_, d_, contacts_.contact, contacts_.due, contacts_.near, contacts_.count, scratch);
+  mjtNum first = std::numeric_limits<mjtNum>::infinity();
+  for (int k = 0; k < contacts_.count; ++k) {
+    if (contacts_.due[k]) first = std::min(first, contacts_.tau[k]);
+  }
   round_end_ = m_->opt.timestep;
   for (int i = 0; i < islands.number; ++i) {
-    const int begin = islands.start[i];
-    ResolveIslandOf(outlook, islands.position + begin, islands.start[i + 1] - begin);
+    const int* position = islands.position + islands.start[i];
+    const int count = islands.start[i + 1] - islands.start[i];
+    const ImpactTime time = FirstClosing(outlook, position, count);
+    // an island that closes later waits: what the others leave may reach it before
+    if (time.tau <= first + flight_) ResolveIslandOf(outlook, time, position, count);
   }
 }
 
-// Whether any contact may close before the end of the step with the velocity the impacts left.
+// Whether an impact of this step has changed the velocity of one of the bodies of contact k.
+bool Resolver::WasStruck(int k) const {
+  for (const int tree : TreesOf(m_, d_->contact[contacts_.contact[k]]).tree) {
+    if (tree >= 0 && busy_[tree] > -m_->opt.timestep) return true;
+  }
+  return false;
+}
+
+// Whether any contact may close before the end of the step with the velocity the impacts left:
+// one that was due but has to wait for its turn, or one whose bodies were struck.
 bool Resolver::MoreMayClose(const mjtNum* velocity) {
   Scratch scratch(d_);
   mjtNum* none = scratch.Zeros(m_->nv);
@@ -139,7 +160,8 @@ bool Resolver::MoreMayClose(const mjtNum* velocity) {
   mju_copy(motion.velocity, velocity, m_->nv);
   const mjtNum h = m_->opt.timestep;
   for (int k = 0; k < contacts_.count; ++k) {
-    const ContactPath path(m_, d_, contacts_.anchor[k], motion);
+    if (!contacts_.due[k] && !WasStruck(k)) continue;
+    const ContactPath path(m_, d_, Anchor(m_, d_, contacts_, k), motion);
     if (path.GapRate(0) < 0 && path.Gap(0) + h * path.GapRate(0) < -config_.touch) return true;
   }
   return false;
@@ -158,6 +180,7 @@ void Resolver::Run() {
     ResolveRound(outlook);
     if (last || !all_at_once_ || round_end_ >= h) return;
     if (!MoreMayClose(bodies.KickedVelocity(delivery_))) return;
+    for (int k = 0; k < contacts_.count; ++k) Anchor(m_, d_, contacts_, k);
     outlook = bodies.MoveTo(round_end_, delivery_);
   }
 }

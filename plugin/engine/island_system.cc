@@ -131,7 +131,7 @@ size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts,
          m->ntree * sizeof(int);
 }
 
-IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Gathered& contacts,
+IslandSystem BuildIsland(const mjModel* m, const mjData* d, Gathered& contacts,
                          const int* position, int count, const Motion& motion, mjtNum tau,
                          Scratch& scratch) {
   IslandSystem system{count, scratch.Take<ContactRow>(count), {}};
@@ -139,7 +139,7 @@ IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Gathered& cont
     const int i = position[k];
     ContactRow* row = new (&system.row[k])
         ContactRow{&d->contact[contacts.contact[i]],
-                   ContactPath(m, d, contacts.anchor[i], motion), {}, 0, {}};
+                   ContactPath(m, d, Anchor(m, d, contacts, i), motion), {}, 0, {}};
     FillRow(m, d, tau, *row, scratch);
   }
   system.delassus = BuildDelassus(m, system, scratch);

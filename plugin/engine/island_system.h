@@ -44,7 +44,7 @@ size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts,
                    const int* position, int count);
 
 // Builds the rows at time τ on the path of `motion`.
-IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Gathered& contacts,
+IslandSystem BuildIsland(const mjModel* m, const mjData* d, Gathered& contacts,
                          const int* position, int count, const Motion& motion, mjtNum tau,
                          Scratch& scratch);
 

@@ -41,9 +41,10 @@ ContactTrees TreesOf(const mjModel* m, const mjContact& contact) {
 }
 
 Islands FindIslands(const mjModel* m, const mjData* d, const int* contacts, const bool* due,
-                    int count, Scratch& scratch) {
+                    const bool* near, int count, Scratch& scratch) {
   TreeSets sets(m->ntree, scratch);
   for (int i = 0; i < count; ++i) {
+    if (!near[i]) continue;
     const ContactTrees trees = TreesOf(m, d->contact[contacts[i]]);
     if (trees.tree[0] >= 0 && trees.tree[1] >= 0) sets.Join(trees.tree[0], trees.tree[1]);
   }
@@ -63,12 +64,12 @@ Islands FindIslands(const mjModel* m, const mjData* d, const int* contacts, cons
   int* start = scratch.Take<int>(number + 2);
   std::fill_n(start, number + 2, 0);
   for (int i = 0; i < count; ++i) {
-    if (island_of[root(i)] >= 0) ++start[island_of[root(i)] + 2];
+    if (near[i] && island_of[root(i)] >= 0) ++start[island_of[root(i)] + 2];
   }
   for (int k = 2; k < number + 2; ++k) start[k] += start[k - 1];
   int* sorted = scratch.Take<int>(count);
   for (int i = 0; i < count; ++i) {
-    const int island = island_of[root(i)];
+    const int island = near[i] ? island_of[root(i)] : -1;
     if (island >= 0) sorted[start[island + 1]++] = i;
   }
   return {number, start, sorted};

@@ -25,10 +25,10 @@ struct Islands {
   const int* position;  // in the list of contacts
 };
 
-// `contacts` are indices into mjData.contact, `due[i]` says whether contacts[i] closes in this
-// step.
+// `contacts` are indices into mjData.contact, `due[i]` says whether contacts[i] closes in this step,
+// `near[i]` whether it takes part at all.
 Islands FindIslands(const mjModel* m, const mjData* d, const int* contacts, const bool* due,
-                    int count, Scratch& scratch);
+                    const bool* near, int count, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

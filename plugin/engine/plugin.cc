@@ -52,7 +52,7 @@ int Init(const mjModel* m, mjData* d, int instance) {
 
 void Compute(const mjModel* m, mjData* d, int instance, int capability) {
   if (capability == mjPLUGIN_PASSIVE) ComputeStep(m, d, instance);
-  if (capability == mjPLUGIN_SENSOR) ComputeSensors(m, d, instance);
+  if (capability == mjPLUGIN_SENSOR) ComputeSensors(m, d, instance, false);
 }
 
 void Reset(const mjModel* m, mjtNum* plugin_state, void*, int instance) {
@@ -68,7 +68,8 @@ void RegisterPlugin() {
   plugin.nattribute = kAttributeCount;
   plugin.attributes = kAttributes;
   plugin.capabilityflags = mjPLUGIN_PASSIVE | mjPLUGIN_SENSOR;
-  plugin.needstage = mjSTAGE_ACC;
+  // the later stages would make MuJoCo compute quantities that no one reads (sensor.h)
+  plugin.needstage = mjSTAGE_POS;
   plugin.nstate = StateSize;
   plugin.nsensordata = SensorSize;
   plugin.init = Init;

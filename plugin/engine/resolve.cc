@@ -48,7 +48,7 @@ struct Problem {
   int size;
   mjtNum *closing_speed, *gap, *stiffness;
   mjtNum *impulse, *moment, *onset, *after;  // the solution
-  mjtNum* work;
+  law::Workspace work;
 };
 
 Problem MakeProblem(const mjModel* m, const Config& config, const IslandSystem& system,
@@ -62,7 +62,8 @@ Problem MakeProblem(const mjModel* m, const Config& config, const IslandSystem& 
                   scratch.Zeros(n),
                   scratch.Zeros(n),
                   scratch.Take<mjtNum>(n),
-                  scratch.Take<mjtNum>(law::ImpactWorkspace(n))};
+                  {scratch.Take<mjtNum>(law::ImpactNumbers(n)),
+                   scratch.Take<int>(law::ImpactIndices(n))}};
   for (int k = 0; k < n; ++k) {
     const ContactRow& row = system.row[k];
     problem.closing_speed[k] = -RowTimes(m, row, velocity);
@@ -119,7 +120,7 @@ void SolveCalibrated(const Config& config, const Ownership& ownership, const Isl
   }
   if (!config.passive) return;
   const mjtNum scale =
-      law::PassiveScale(system.delassus, problem.closing_speed, problem.impulse, problem.work);
+      law::PassiveScale(system.delassus, problem.closing_speed, problem.impulse, problem.work.numbers);
   if (scale < 1) mju_scl(problem.impulse, problem.impulse, scale, problem.size);
 }
 

@@ -39,11 +39,12 @@ void AddPulse(const mjModel* m, const mjData* d, const Ownership& ownership, con
   }
 }
 
-void WriteOutput(const mjModel* m, const mjData* d, int instance, State& state, mjtNum* output) {
+void WriteOutput(const mjModel* m, const mjData* d, int instance, bool impacts, State& state,
+                 mjtNum* output) {
   for (int i = 0; i < state.capacity(); ++i) {
     WriteRecord(state.record(i), output + kNumbersPerGeom * i);
   }
-  if (state.header().pending == 0) return;
+  if (!impacts) return;
   const Ownership ownership(m, instance);
   for (int i = 0; i < state.slots(); ++i) {
     const Pulse& pulse = state.pulse(i);
@@ -53,11 +54,12 @@ void WriteOutput(const mjModel* m, const mjData* d, int instance, State& state, 
 
 }  // namespace
 
-void ComputeSensors(const mjModel* m, mjData* d, int instance) {
+void ComputeSensors(const mjModel* m, mjData* d, int instance, bool impacts) {
+  if (m->opt.disableflags & mjDSBL_SENSOR) return;
   State state(m, d, instance);
   for (int i = 0; i < m->nsensor; ++i) {
     if (m->sensor_type[i] != mjSENS_PLUGIN || m->sensor_plugin[i] != instance) continue;
-    WriteOutput(m, d, instance, state, d->sensordata + m->sensor_adr[i]);
+    WriteOutput(m, d, instance, impacts, state, d->sensordata + m->sensor_adr[i]);
   }
 }
 

@@ -15,8 +15,13 @@ namespace mujoco_impact::engine {
 
 constexpr int kNumbersPerGeom = 7;
 
-// Writes the output of every sensor of the instance.
-void ComputeSensors(const mjModel* m, mjData* d, int instance);
+// The stage at which MuJoCo asks for the sensor comes before the passive forces, so there it reports
+// what has been committed; `compute` of the passive forces then adds the impacts of this step. The
+// stages that come later cost a pass over all bodies for quantities that no one needs here.
+
+// Writes the output of every sensor of the instance; `impacts` says whether those of this step have
+// been computed.
+void ComputeSensors(const mjModel* m, mjData* d, int instance, bool impacts);
 
 }  // namespace mujoco_impact::engine
 

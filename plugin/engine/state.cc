@@ -37,22 +37,23 @@ void State::Reset(const mjModel* m, mjtNum* plugin_state, int instance) {
   header->capacity = capacity;
 }
 
-State::State(mjtNum* numbers, int capacity, int nv) {
-  header_ = reinterpret_cast<Header*>(numbers);
-  records_ = reinterpret_cast<GeomRecord*>(numbers + kHeaderSize);
-  mjtNum* pulses = numbers + kHeaderSize + capacity * kRecordSize;
-  pulses_ = reinterpret_cast<Pulse*>(pulses);
-  correction_ = pulses + SlotNumber(capacity) * kPulseSize;
-  held_force_ = correction_ + nv;
-}
-
-State::State(const mjModel* m, mjData* d, int instance)
-    : State(d->plugin_state + m->plugin_stateadr[instance], 0, m->nv) {
+State::State(const mjModel* m, mjData* d, int instance) {
   mjtNum* numbers = d->plugin_state + m->plugin_stateadr[instance];
-  if (header_->version != kVersion || Size(capacity(), m->nv) != m->plugin_statenum[instance]) {
+  const int nv = static_cast<int>(m->nv);
+  header_ = reinterpret_cast<Header*>(numbers);
+  if (header_->version != kVersion || Size(capacity(), nv) != m->plugin_statenum[instance]) {
     Reset(m, numbers, instance);
   }
-  *this = State(numbers, capacity(), m->nv);
+  Bind(numbers, nv);
+}
+
+void State::Bind(mjtNum* numbers, int nv) {
+  const int room = capacity();
+  records_ = reinterpret_cast<GeomRecord*>(numbers + kHeaderSize);
+  mjtNum* pulses = numbers + kHeaderSize + room * kRecordSize;
+  pulses_ = reinterpret_cast<Pulse*>(pulses);
+  correction_ = pulses + SlotNumber(room) * kPulseSize;
+  held_force_ = correction_ + nv;
 }
 
 }  // namespace mujoco_impact::engine

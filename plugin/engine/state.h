@@ -83,7 +83,7 @@ class State {
   mjtNum* held_force() { return held_force_; }
 
  private:
-  State(mjtNum* numbers, int capacity, int nv);
+  void Bind(mjtNum* numbers, int nv);
 
   Header* header_;
   GeomRecord* records_;

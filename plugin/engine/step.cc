@@ -7,6 +7,7 @@
 #include "engine/impacts.h"
 #include "engine/runge_kutta.h"
 #include "engine/scratch.h"
+#include "engine/sensor.h"
 #include "engine/slots.h"
 #include "engine/state.h"
 
@@ -29,6 +30,7 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   if (pulses) DeliverActive(m, d, state, delivery, scratch);
   if (closing) ResolveImpacts(m, d, instance, state, delivery, scratch);
   Apply(m, d, state, delivery, scratch);
+  ComputeSensors(m, d, instance, true);
 }
 
 }  // namespace mujoco_impact::engine

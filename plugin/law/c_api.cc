@@ -95,7 +95,8 @@ MUJOCO_IMPACT_API int mujoco_impact_solve(int size, const int* row_start, const 
                                           double tolerance, int passive, double* impulse,
                                           double* moment, double* onset, double* after) {
   const std::vector<double> diagonal = Diagonal(size, row_start, column, value);
-  std::vector<double> workspace(law::ImpactWorkspace(size));
+  std::vector<double> numbers(law::ImpactNumbers(size));
+  std::vector<int> indices(law::ImpactIndices(size));
   const law::ImpactProblem problem{{size, row_start, column, value, diagonal.data()},
                                    closing_speed,
                                    gap,
@@ -107,6 +108,6 @@ MUJOCO_IMPACT_API int mujoco_impact_solve(int size, const int* row_start, const 
                                    tolerance};
   law::ImpactSolution solution{impulse, moment, onset, after};
   const law::ImpactReport report =
-      law::SolveImpact(problem, passive != 0, &solution, workspace.data());
+      law::SolveImpact(problem, passive != 0, &solution, {numbers.data(), indices.data()});
   return report.converged ? report.steps : -report.steps;
 }

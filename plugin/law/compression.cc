@@ -30,7 +30,7 @@ constexpr double kVelocityError[] = {1.0 / 14 - 13.0 / 21, 32.0 / 81 + 20.0 / 27
 
 class Integrator {
  public:
-  Integrator(const ImpactProblem& problem, ImpactSolution* solution, double* workspace);
+  Integrator(const ImpactProblem& problem, ImpactSolution* solution, const Workspace& workspace);
   ImpactReport Run();
 
   static constexpr int kArrays = 14;
@@ -57,20 +57,23 @@ class Integrator {
   double *force_[4], *pull_[4];  // F and W F at the four stages
 };
 
-Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution, double* workspace)
+Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution,
+                       const Workspace& workspace)
     : problem_(problem),
       solution_(*solution),
       n_(problem.delassus.size),
       scale_(MeasureScale(problem)),
       lossless_(problem.restitution == 1),
       drops_expansion_(problem.restitution < kNoExpansion),
-      window_(problem, *solution, scale_, workspace + kArrays * problem.delassus.size) {
+      window_(problem, *solution, scale_,
+              {workspace.numbers + kArrays * problem.delassus.size, workspace.indices}) {
+  double* numbers = workspace.numbers;
   double** const arrays[kArrays] = {&y_,       &c_,        &rate_,     &y_new_,    &c_new_,
                                     &y_stage_, &force_[0], &force_[1], &force_[2], &force_[3],
                                     &pull_[0], &pull_[1],  &pull_[2],  &pull_[3]};
   for (double** array : arrays) {
-    *array = workspace;
-    workspace += n_;
+    *array = numbers;
+    numbers += n_;
   }
   for (int k = 0; k < n_; ++k) {
     y_[k] = -problem.gap[k];
@@ -172,6 +175,8 @@ void Integrator::UpdatePhases() {
   bool dropped = false;
   for (int i = 0; i < window_.size(); ++i) {
     const int k = window_[i];
+    // a contact that opened within the step did so at c, not at c/e²; no force depends on it
+    if (y_[k] < 0) y_[k] /= rate_[k];
     // within the floor the sign that c is about to have decides
     const double ahead = std::abs(c_[k]) < c_floor ? -pull_[0][k] : c_[k];
     const bool expands = y_[k] > 0 && ahead < 0;
@@ -234,7 +239,7 @@ ImpactReport Integrator::Run() {
 int CompressionWorkspace(int size) { return (Integrator::kArrays + Window::kArrays) * size; }
 
 ImpactReport IntegrateCompression(const ImpactProblem& problem, ImpactSolution* solution,
-                                  double* workspace) {
+                                  const Workspace& workspace) {
   return Integrator(problem, solution, workspace).Run();
 }
 

@@ -6,7 +6,8 @@
 //
 // so that a contact gives back e² of the work stored in it (energetic restitution, Stronge) at any
 // speed. For e = 1 this is the Hertz ordinary differential equation; for e < 1 it is the
-// Liu-Zhao-Brogliato law (Proc. R. Soc. A 464, 2008, bi-stiffness) without its singular start.
+// Liu-Zhao-Brogliato law (Proc. R. Soc. A 464, 2008, bi-stiffness) without its singular start, except
+// that a contact which has expanded opens a gap, where theirs may press again at once.
 // A contact of e = 0 drops its compression when it stops closing. Only ratios of stiffness and mass
 // matter for the impulses; the result is independent of the speed.
 //
@@ -27,7 +28,7 @@ namespace mujoco_impact::law {
 int CompressionWorkspace(int size);
 
 ImpactReport IntegrateCompression(const ImpactProblem& problem, ImpactSolution* solution,
-                                  double* workspace);
+                                  const Workspace& workspace);
 
 }  // namespace mujoco_impact::law
 

@@ -9,6 +9,7 @@
 #include "law/impact_clock.h"
 #include "law/passivity.h"
 #include "law/viscous.h"
+#include "law/window.h"
 
 namespace mujoco_impact::law {
 
@@ -47,12 +48,14 @@ SingleImpact SolveSingleImpact(double reduced_mass, double speed, double stiffne
   return single;
 }
 
-int ImpactWorkspace(int size) {
+int ImpactNumbers(int size) {
   return std::max(CompressionWorkspace(size), ViscousWorkspace(size));
 }
 
+int ImpactIndices(int size) { return Window::kIndexArrays * size; }
+
 ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolution* solution,
-                         double* workspace) {
+                         const Workspace& workspace) {
   const int n = problem.delassus.size;
   const bool viscous = problem.dissipation == Dissipation::kViscous && problem.restitution < 1;
   if (n == 1 && !viscous) return SolveIsolated(problem, solution);
@@ -60,7 +63,8 @@ ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolut
                                       : IntegrateCompression(problem, solution, workspace);
   if (!passive) return report;
   const double s =
-      ConservativeScale(problem.delassus, problem.closing_speed, solution->impulse, workspace);
+      ConservativeScale(problem.delassus, problem.closing_speed, solution->impulse,
+                                     workspace.numbers);
   const double factor = problem.restitution == 1 && report.converged ? s : std::min(1.0, s);
   if (s > 0) {
     Scale(factor, n, solution->impulse);

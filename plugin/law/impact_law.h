@@ -12,15 +12,16 @@
 
 namespace mujoco_impact::law {
 
-// Error per step, relative; the impulses of short rows are then good to 1e-6.
-constexpr double kDefaultTolerance = 1e-6;
+// Error per step, relative; the impulses of elastic rows are then good to 1e-6.
+constexpr double kDefaultTolerance = 1e-5;
 
-// Doubles of workspace that SolveImpact needs for an island of `size` contacts.
-int ImpactWorkspace(int size);
+// Numbers and indices of workspace that SolveImpact needs for an island of `size` contacts.
+int ImpactNumbers(int size);
+int ImpactIndices(int size);
 
 // Fills `solution`. With `passive` false the impulses are left as integrated.
 ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolution* solution,
-                         double* workspace);
+                         const Workspace& workspace);
 
 // Closed form of one contact of reduced mass μ that closes with speed u (bi-stiffness):
 //

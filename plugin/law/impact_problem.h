@@ -52,6 +52,12 @@ struct ImpactSolution {
   double* closing_speed;  // c_k after the impact [m/s], ≤ 0 up to the tolerance
 };
 
+// Memory of an integration, owned by the caller.
+struct Workspace {
+  double* numbers;
+  int* indices;
+};
+
 struct ImpactReport {
   int steps;       // accepted integration steps
   bool converged;  // false: the step limit was reached before all contacts had opened

@@ -30,7 +30,7 @@ constexpr double kError[kStages] = {71.0 / 57600,      0,          -71.0 / 16695
 
 class Integrator {
  public:
-  Integrator(const ImpactProblem& problem, ImpactSolution* solution, double* workspace);
+  Integrator(const ImpactProblem& problem, ImpactSolution* solution, const Workspace& workspace);
   ImpactReport Run();
 
   static constexpr int kArrays = 4 + 3 * kStages;
@@ -53,16 +53,19 @@ class Integrator {
   double *force_[kStages], *pull_[kStages], *speed_[kStages];  // F, W F, c at the stages
 };
 
-Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution, double* workspace)
+Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution,
+                       const Workspace& workspace)
     : problem_(problem),
       solution_(*solution),
       n_(problem.delassus.size),
       scale_(MeasureScale(problem)),
       damping_(scale_.speed > 0 ? ViscousDamping(problem.restitution) / scale_.speed : 0),
-      window_(problem, *solution, scale_, workspace + kArrays * problem.delassus.size) {
-  const auto take = [&workspace, this] {
-    double* array = workspace;
-    workspace += n_;
+      window_(problem, *solution, scale_,
+              {workspace.numbers + kArrays * problem.delassus.size, workspace.indices}) {
+  double* numbers = workspace.numbers;
+  const auto take = [&numbers, this] {
+    double* array = numbers;
+    numbers += n_;
     return array;
   };
   y_ = take();
@@ -202,7 +205,7 @@ double ViscousDamping(double restitution) {
 int ViscousWorkspace(int size) { return (Integrator::kArrays + Window::kArrays) * size; }
 
 ImpactReport IntegrateViscous(const ImpactProblem& problem, ImpactSolution* solution,
-                              double* workspace) {
+                              const Workspace& workspace) {
   return Integrator(problem, solution, workspace).Run();
 }
 

@@ -27,7 +27,7 @@ double ViscousDamping(double restitution);
 int ViscousWorkspace(int size);
 
 ImpactReport IntegrateViscous(const ImpactProblem& problem, ImpactSolution* solution,
-                              double* workspace);
+                              const Workspace& workspace);
 
 }  // namespace mujoco_impact::law
 

@@ -20,18 +20,16 @@ constexpr double kNoticeableCompression = 1e-6;
 }  // namespace
 
 Window::Window(const ImpactProblem& problem, const ImpactSolution& solution,
-               const ImpactScale& scale, double* workspace)
+               const ImpactScale& scale, const Workspace& workspace)
     : problem_(problem),
       solution_(solution),
       scale_(scale),
       whole_(problem.delassus.size <= kWholeIsland) {
   const int n = problem.delassus.size;
-  double** const arrays[kArrays] = {&member_, &previous_, &seen_,         &t_left_,
-                                    &y_left_, &c_left_,   &impulse_left_, &moment_left_};
-  for (double** array : arrays) {
-    *array = workspace;
-    workspace += n;
-  }
+  double** const arrays[kArrays] = {&t_left_, &y_left_, &c_left_, &impulse_left_, &moment_left_};
+  for (int i = 0; i < kArrays; ++i) *arrays[i] = workspace.numbers + i * n;
+  int** const index_arrays[kIndexArrays] = {&member_, &previous_, &seen_};
+  for (int i = 0; i < kIndexArrays; ++i) *index_arrays[i] = workspace.indices + i * n;
   for (int k = 0; k < n; ++k) {
     seen_[k] = -1;
     t_left_[k] = impulse_left_[k] = moment_left_[k] = 0;
@@ -76,9 +74,9 @@ bool Window::Move(double t, double* y, double* c, double* const* forces, int for
   size_ = 0;
   ++generation_;
   // previous members carry an odd mark until they are taken again
-  for (int i = 0; i < before; ++i) seen_[static_cast<int>(previous_[i])] = 2 * generation_ - 1;
+  for (int i = 0; i < before; ++i) seen_[previous_[i]] = 2 * generation_ - 1;
   for (int i = 0; i < before; ++i) {
-    const int k = static_cast<int>(previous_[i]);
+    const int k = previous_[i];
     if (y[k] <= y_floor && c[k] <= c_floor) continue;
     for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
       const int l = W.column[a];
@@ -92,7 +90,7 @@ bool Window::Move(double t, double* y, double* c, double* const* forces, int for
     }
   }
   for (int i = 0; i < before; ++i) {
-    const int k = static_cast<int>(previous_[i]);
+    const int k = previous_[i];
     if (seen_[k] == 2 * generation_) continue;
     Leave(k, t, y, c);
     for (int f = 0; f < force_arrays; ++f) forces[f][k] = 0;

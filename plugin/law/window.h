@@ -19,16 +19,17 @@ namespace mujoco_impact::law {
 class Window {
  public:
   Window(const ImpactProblem& problem, const ImpactSolution& solution, const ImpactScale& scale,
-         double* workspace);
+         const Workspace& workspace);
 
   int size() const { return size_; }
-  int operator[](int i) const { return static_cast<int>(member_[i]); }
+  int operator[](int i) const { return member_[i]; }
 
   // Lets contacts in and out after a step that ended at t. Clears the forces of those that leave;
   // true if any came in, whose forces and decelerations are then to be computed.
   bool Move(double t, double* y, double* c, double* const* forces, int force_arrays);
 
-  static constexpr int kArrays = 8;
+  static constexpr int kArrays = 5;
+  static constexpr int kIndexArrays = 3;
 
  private:
   void Enter(int k, double t, double* y, double* c);
@@ -40,8 +41,9 @@ class Window {
   const ImpactScale& scale_;
   const bool whole_;
   int size_ = 0;
-  double generation_ = 0;
-  double *member_, *previous_, *seen_;  // indices and generations, kept as doubles
+  int generation_ = 0;
+  int *member_, *previous_;
+  int* seen_;  // by contact: 2 g if taken in generation g, 2 g − 1 if a member before
   double *t_left_, *y_left_, *c_left_, *impulse_left_, *moment_left_;
 };
 

@@ -71,8 +71,10 @@ inline RowResult Collide(const Row& row, const RowOptions& options = {}) {
   closing[row.incoming - 1] = 1;
   const ImpactProblem problem{matrix.View(),    closing.data(),      gap.data(),
                               stiffness.data(), options.restitution, options.dissipation,
-                              options.horizon,  options.tolerance};
-  std::vector<double> work(ImpactWorkspace(static_cast<int>(n))), after(n);
+                              options.horizon,  options.horizon,     options.tolerance};
+  const int size = static_cast<int>(n);
+  std::vector<double> numbers(ImpactNumbers(size)), after(n);
+  std::vector<int> indices(ImpactIndices(size));
   // poisoned, so that a law that writes nothing cannot pass
   const double poison = std::numeric_limits<double>::quiet_NaN();
   RowResult result;
@@ -81,7 +83,8 @@ inline RowResult Collide(const Row& row, const RowOptions& options = {}) {
   result.onset.assign(n, poison);
   ImpactSolution solution{result.impulse.data(), result.moment.data(), result.onset.data(),
                           after.data()};
-  result.report = SolveImpact(problem, options.passive, &solution, work.data());
+  result.report = SolveImpact(problem, options.passive, &solution,
+                              {numbers.data(), indices.data()});
   for (std::size_t i = 0; i <= n; ++i) {
     double v = static_cast<int>(i) < row.incoming ? 1 : 0;
     if (i > 0) v += result.impulse[i - 1] / row.mass[i];

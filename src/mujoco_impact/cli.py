@@ -137,6 +137,39 @@ def compare(
 
 
 @app.command()
+def bench(
+    out: Annotated[
+        Path, typer.Option(help="Folder for results.csv, results.json and charts.")
+    ] = Path("benchmarks"),
+    scenes: Annotated[
+        str | None, typer.Option(help="Scenes, separated by commas [default: all].")
+    ] = None,
+    methods: Annotated[
+        str | None, typer.Option(help="Methods, separated by commas [default: all].")
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Only the recommended settings.")
+    ] = False,
+    json_file: JsonOption = None,
+) -> None:
+    """Measure run time against error for many methods, and draw the charts."""
+    from mujoco_impact import bench as benchmark
+
+    with _clean_errors():
+        with _progress(json_file) as report:
+            results = benchmark.run_benchmark(
+                scenes=None if scenes is None else scenes.split(","),
+                methods=None if methods is None else methods.split(","),
+                quick=quick,
+                progress=report,
+            )
+        files = benchmark.write_files(results, out)
+        _write_json(json_file, results.to_dict())
+        benchmark.show(results, _console(json_file))
+        _console(json_file).out(f"\n{len(files)} files in {out}")
+
+
+@app.command()
 def doctor(json_file: JsonOption = None) -> None:
     """Check the installation and the answers of the plugin."""
     with _clean_errors():

@@ -1,5 +1,11 @@
 """The benchmark of run time against error: what `mujoco-impact bench` runs.
 
 `scenes` says what is simulated, `methods` how, `truths` what is right; `measure` makes
-points (run time, error) of them, `store` and `charts` keep them.
+points (run time, error) of them, `results` and `charts` keep them.
 """
+
+from mujoco_impact.bench.benchmark import run_benchmark
+from mujoco_impact.bench.output import show, write_files
+from mujoco_impact.bench.results import Results, read_results
+
+__all__ = ["Results", "read_results", "run_benchmark", "show", "write_files"]

@@ -11,15 +11,9 @@ from mujoco_impact.bench.methods import MethodFamily
 from mujoco_impact.bench.points import Point
 from mujoco_impact.bench.results import Results
 from mujoco_impact.bench.scenes import BenchScene, choose_scenes
-from mujoco_impact.bench.steps import step_times
+from mujoco_impact.bench.steps import StepTimes, step_times
 from mujoco_impact.bench.truths import truth_of
 from mujoco_impact.errors import ConfigError
-
-NOT_ON_PYPI = (
-    "Siconos: no Python package with its multiple-impact law; "
-    "Newton, Genesis, Drake, SAPIEN: not part of the extra `peers`"
-)
-"""Engines that were looked at and are not measured here."""
 
 
 def run_benchmark(
@@ -50,10 +44,10 @@ def run_benchmark(
     points = list[Point]()
     for scene in chosen_scenes:
         points += _scene_points(scene, families, effort, quick, report)
-    timed = ()
+    timed: tuple[StepTimes, ...] = ()
     if steps:
-        shortened = {"duration": 2.0, "repeats": 2} if quick else {}
-        timed = step_times(progress=report, **shortened)
+        duration, repeats = (2.0, 2) if quick else (20.0, 5)
+        timed = step_times(duration=duration, repeats=repeats, progress=report)
     return Results(
         scenes={scene.name: scene.title for scene in chosen_scenes},
         methods={family.name: family.title for family in families},

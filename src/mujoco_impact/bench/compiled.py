@@ -65,7 +65,8 @@ class CompiledChain:
         """Runs once, with a sample every 2 ms."""
         count = round(self._duration / BASE_TIMESTEP) + 1
         angles, velocities = self._run(count)
-        return Samples(np.arange(count) * BASE_TIMESTEP, angles, velocities)
+        times: Array = np.arange(count) * BASE_TIMESTEP
+        return Samples(times, angles, velocities)
 
     def run_time(self) -> float:
         """Runs once without samples; returns the wall-clock time [s]."""

@@ -20,6 +20,10 @@ SHORTEST_TIMING = 5e-3
 the operating system would dominate them [s]."""
 
 
+LONG_ENOUGH = 2.0
+"""One timing that takes so long is enough: disturbances average out in it [s]."""
+
+
 @dataclasses.dataclass(frozen=True)
 class Effort:
     """How thoroughly run times are measured.
@@ -27,7 +31,7 @@ class Effort:
     Attributes:
         repeats: Number of timings of each candidate.
         budget: Time spent on a candidate after which fewer timings must do [s].
-        least: Timings of each candidate, whatever they take.
+        least: Timings of each candidate, unless they take very long.
     """
 
     repeats: int = 7
@@ -92,7 +96,8 @@ class SceneBench:
         ratios, times = list[float](), list[float]()
         spent, before = 0.0, timed(self._base)
         while len(times) < self._effort.repeats:
-            if spent > self._effort.budget and len(times) >= self._effort.least:
+            enough = len(times) >= self._effort.least or spent > LONG_ENOUGH
+            if enough and spent > self._effort.budget:
                 break
             took = timed(simulation)
             after = timed(self._base)

@@ -29,6 +29,7 @@ class Candidate:
         sweep: Whether it belongs to a long sweep, for the main scenes only.
         rows_only: Whether it knows pendulum rows only.
         lossless_only: Whether it knows restitution 1 only.
+        most_balls: Longer rows would take it minutes.
     """
 
     method: str
@@ -41,6 +42,7 @@ class Candidate:
     sweep: bool = False
     rows_only: bool = False
     lossless_only: bool = False
+    most_balls: int = 1000
 
     def suits(self, scene: BenchScene) -> bool:
         """Returns whether the scene is measured with this candidate."""
@@ -48,6 +50,7 @@ class Candidate:
             (scene.sweep or not self.sweep)
             and (scene.is_row or not self.rows_only)
             and (scene.restitution == 1.0 or not self.lossless_only)
+            and len(scene.pattern) <= self.most_balls
         )
 
 

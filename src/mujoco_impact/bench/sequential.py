@@ -19,8 +19,9 @@ from mujoco_impact.errors import SimulationError
 from mujoco_impact.reference import Chain, free_flight, time_to_contact
 from mujoco_impact.trajectory import Array
 
-STILL = 1e-9
-"""Closing speed that counts as zero, in fractions of the fastest ball's."""
+STILL = 1e-12
+"""Closing speed up to which two balls go on together, in fractions of the fastest
+ball's: rounding would let them bounce for ever."""
 
 TOUCHING = 1e-9
 """Gap that counts as closed [m]."""
@@ -42,7 +43,7 @@ class SequentialSimulation:
     def record(self) -> Samples:
         """Runs once, with a sample every 2 ms."""
         count = round(self._duration / BASE_TIMESTEP) + 1
-        times = np.arange(count) * BASE_TIMESTEP
+        times: Array = np.arange(count) * BASE_TIMESTEP
         angles = np.zeros((count, self._chain.count))
         velocities = np.zeros_like(angles)
         now, (angle, velocity) = 0.0, self._start
@@ -57,6 +58,7 @@ class SequentialSimulation:
                 return Samples(times, angles, velocities)
             angle, velocity = self._fly(angle, velocity, wait)
             velocity = collide(self._chain, angle, velocity, self._restitution)
+            angle = part(self._chain, angle)
             now += wait
         msg = f"more than {MOST_EVENTS} impacts within {now:.4g} s"
         raise SimulationError(msg, time=now)
@@ -94,16 +96,32 @@ def collide(
         quiet = True
         for k in touching:
             closing = -(left[k] * velocity[k] + right[k] * velocity[k + 1])
-            if closing <= limit:
+            if closing <= 0:
                 continue
-            impulse = (1 + restitution) * closing / mobility[k]
+            bounce = restitution if closing > limit else 0.0
+            impulse = (1 + bounce) * closing / mobility[k]
             velocity[k] += impulse * left[k] / chain.inertia[k]
             velocity[k + 1] += impulse * right[k] / chain.inertia[k + 1]
-            quiet = False
+            quiet = quiet and closing <= limit
         if quiet:
             return velocity
     msg = f"the balls still close after {MOST_EVENTS} rounds of pairwise impacts"
     raise SimulationError(msg, time=0.0)
+
+
+def part(chain: Chain, angles: Array) -> Array:
+    """Returns the angles with overlaps (of rounding size) taken out [rad].
+
+    Args:
+        chain: The row.
+        angles: Angles [rad], shape (n,).
+    """
+    angle = angles.copy()
+    for k in range(chain.count - 1):
+        overlap = -float(chain.separation(angle)[k])
+        if 0 < overlap < TOUCHING:
+            angle[k + 1] += overlap / chain.length
+    return angle
 
 
 def family() -> MethodFamily:

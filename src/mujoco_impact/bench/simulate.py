@@ -18,6 +18,7 @@ from mujoco_impact.runner import (
     load_model,
     step_count,
 )
+from mujoco_impact.trajectory import Array
 
 START = "release"
 """Keyframe that every scene starts from."""
@@ -49,6 +50,7 @@ class MujocoSimulation:
         every = max(1, round(BASE_TIMESTEP / timestep))
         count = self._steps // every + 1
         data = self.restart()
+        times: Array = np.arange(count) * (every * timestep)
         angles, velocities = np.zeros((count, model.nq)), np.zeros((count, model.nv))
         angles[0], velocities[0] = data.qpos, data.qvel
         with collected_warnings() as messages:
@@ -61,7 +63,7 @@ class MujocoSimulation:
                 angles[sample], velocities[sample] = data.qpos, data.qvel
         shifted = integrator_name(model) in HALF_STEP_INTEGRATORS
         return Samples(
-            time=np.arange(count) * every * timestep,
+            time=times,
             angles=angles,
             velocities=velocities,
             shift=timestep if shifted else 0.0,

@@ -29,8 +29,8 @@ BALLS = (3, 5, 50)
 BEFORE_IMPACT = 0.2
 """A ball let go at 30 degrees is still far from the row [s]."""
 
-ALONE = dict(gap=0.2, release=10.0)
-"""Shape of a row whose balls never meet."""
+ALONE_GAP, ALONE_RELEASE = 0.2, 10.0
+"""Gap [m] and release [deg] of a row whose balls never meet."""
 
 MICROSECOND = 1e-6
 
@@ -87,7 +87,8 @@ def step_times(
                 "5 balls, nothing closes", ours[:, 1:quiet], floor[:, 1:quiet]
             )
     report("steps of balls that never meet")
-    ours, floor = _timed_motion(cradle_models.row("AAAAA", **ALONE), duration, repeats)
+    alone = cradle_models.row("AAAAA", gap=ALONE_GAP, release=ALONE_RELEASE)
+    ours, floor = _timed_motion(alone, duration, repeats)
     results += [still, _summary("5 balls, no contact", ours, floor)]
     return tuple(results)
 

@@ -58,9 +58,7 @@ class DartRow(SteppedEngine):
         aspect.setRestitutionCoeff(self.restitution**0.5)
         aspect.setFrictionCoeff(0.0)
         body.setInertia(
-            dart.dynamics.Inertia(
-                mass, np.zeros(3), np.eye(3) * 0.4 * mass * radius**2
-            )
+            dart.dynamics.Inertia(mass, np.zeros(3), np.eye(3) * 0.4 * mass * radius**2)
         )
         joint.setPosition(0, float(self.start[index]))
         self._world.addSkeleton(skeleton)

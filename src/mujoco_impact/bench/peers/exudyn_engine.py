@@ -20,6 +20,9 @@ NAME, TITLE, PACKAGE = "exudyn", "Exudyn, Hertz contacts, DOPRI5", "exudyn"
 
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
 
+LONG_ROWS = 1e-6
+"""The tolerance that 50 balls are run with, which takes a quarter of a minute."""
+
 LONGEST_STEP = 0.01
 """Longest integration step, and time between samples [s]."""
 
@@ -191,6 +194,7 @@ def family() -> MethodFamily:
             quick=tolerance == 1e-6,
             rows_only=True,
             lossless_only=True,
+            most_balls=1000 if tolerance == LONG_ROWS else 10,
         )
 
     return MethodFamily(NAME, TITLE, tuple(map(candidate, TOLERANCES)), version)

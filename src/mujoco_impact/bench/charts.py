@@ -1,0 +1,170 @@
+"""Charts of error over run time (needs matplotlib)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mujoco_impact.bench.mujoco_methods import DEFAULT, OURS
+from mujoco_impact.bench.points import Point, front_of
+from mujoco_impact.bench.results import Results
+from mujoco_impact.errors import MissingExtraError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+ERRORS = {
+    "velocity_error": "velocity error after the first impact / impact speed",
+    "angle_rms": "angle error over 3 s, RMS [rad]",
+}
+"""What is drawn over the run time, and its label."""
+
+SMALLEST_ERROR = 1e-9
+"""Errors below it are drawn at it: the axis is logarithmic."""
+
+STYLES: dict[str, tuple[str, str]] = {
+    OURS: ("crimson", "*"),
+    DEFAULT: ("black", "o"),
+    "mujoco-elastic": ("dimgrey", "X"),
+    "mujoco-damper": ("tab:blue", "s"),
+    "mujoco-compliant": ("tab:cyan", "v"),
+    "mujoco-hertz": ("tab:purple", "^"),
+    "sequential": ("tab:olive", "|"),
+    "compiled-hertz": ("tab:green", "+"),
+    "exudyn": ("tab:orange", "D"),
+    "pymunk": ("tab:brown", "P"),
+    "pybullet": ("tab:pink", "p"),
+    "dart": ("goldenrod", "h"),
+}
+"""Colour and marker of each method."""
+
+
+def draw_charts(results: Results, folder: Path) -> tuple[Path, ...]:
+    """Draws one picture per scene; returns their paths.
+
+    Args:
+        results: What to draw.
+        folder: Where to write, must exist.
+
+    Raises:
+        MissingExtraError: If matplotlib is not installed.
+    """
+    paths = list[Path]()
+    for scene in results.scenes:
+        figure = _scene_figure(results, scene)
+        path = folder / f"{scene}.png"
+        figure.savefig(path, dpi=110)
+        paths.append(path)
+    return tuple(paths)
+
+
+def _scene_figure(results: Results, scene: str) -> Figure:
+    """Returns the figure of a scene: one panel for each error that is known."""
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as missing:
+        msg = "charts need matplotlib: run `pip install mujoco-impact[plot]`"
+        raise MissingExtraError(msg) from missing
+    points = results.of_scene(scene)
+    drawn = [error for error in ERRORS if any(_drawable(p, error) for p in points)]
+    panels = max(1, len(drawn))
+    figure = Figure(figsize=(2.0 + 5.5 * panels, 6.6), layout="constrained")
+    axes: Any = figure.subplots(1, panels, squeeze=False)[0]
+    for axis, error in zip(axes, drawn, strict=False):
+        _draw_panel(axis, points, error, results.methods)
+    handles: dict[str, Any] = {}
+    for axis in axes:
+        lines, labels = axis.get_legend_handles_labels()
+        handles |= dict(zip(labels, lines, strict=True))
+    columns = 3 if panels > 1 else 2
+    figure.legend(
+        handles.values(),
+        handles.keys(),
+        loc="outside lower center",
+        ncols=columns,
+        fontsize=9,
+    )
+    figure.suptitle(f"{scene}: {results.scenes[scene]}", fontsize=13)
+    return figure
+
+
+def _draw_panel(
+    axis: Axes, points: Sequence[Point], error: str, titles: dict[str, str]
+) -> None:
+    """Draws all points of a scene, and the front."""
+    for method, title in titles.items():
+        mine = [p for p in points if p.method == method and _drawable(p, error)]
+        if mine:
+            _draw_method(axis, mine, error, title)
+    best = [point for point in front_of(points, error) if _drawable(point, error)]
+    axis.step(
+        [point.cost for point in best],
+        [_shown(point, error) for point in best],
+        where="post",
+        color="crimson",
+        linewidth=1.0,
+        alpha=0.6,
+        zorder=1,
+        label="Pareto front of the simulators",
+    )
+    axis.axvline(1.0, color="black", linewidth=0.6, linestyle=":", zorder=0)
+    axis.set(
+        xscale="log",
+        yscale="log",
+        xlabel="run time / run time of MuJoCo's defaults at 2 ms",
+        ylabel=ERRORS[error],
+    )
+    axis.grid(alpha=0.25, which="major")
+
+
+def _draw_method(axis: Axes, points: Sequence[Point], error: str, title: str) -> None:
+    """Draws the points of one method; hollow ones have no comparable run time."""
+    method = points[0].method
+    colour, marker = STYLES[method]
+    ours = method == OURS
+    axis.plot(
+        [point.cost for point in points],
+        [_shown(point, error) for point in points],
+        linestyle="none",
+        color=colour,
+        marker=marker,
+        markersize=13 if ours else 7,
+        markeredgewidth=0.6 if marker not in "|+" else 2.0,
+        markeredgecolor="white" if marker not in "|+" else colour,
+        alpha=1.0 if ours else 0.8,
+        zorder=5 if ours else 3,
+        label=title,
+    )
+    if ours:
+        for point in points:
+            _name_point(axis, point, error)
+
+
+def _name_point(axis: Axes, point: Point, error: str) -> None:
+    """Writes the timestep next to one of our points under Euler or RK4."""
+    if point.integrator == "implicitfast":
+        return
+    runge = point.integrator == "RK4"
+    axis.annotate(
+        f"{point.timestep * 1e3:g} ms" + (" RK4" if runge else ""),
+        (point.cost, _shown(point, error)),
+        xytext=(8, 3) if runge else (-8, -9),
+        ha="left" if runge else "right",
+        textcoords="offset points",
+        fontsize=7.5,
+        color="crimson",
+        zorder=6,
+    )
+
+
+def _drawable(point: Point, error: str) -> bool:
+    """Returns whether a point has a place in the chart."""
+    return math.isfinite(point.cost) and math.isfinite(getattr(point, error))
+
+
+def _shown(point: Point, error: str) -> float:
+    """Returns the height at which a point is drawn."""
+    return max(float(getattr(point, error)), SMALLEST_ERROR)

@@ -1,0 +1,110 @@
+"""The sensor: what impacts do to each owned geom; MuJoCo's sensors see nothing."""
+
+import mujoco
+import numpy as np
+import pytest
+from scenes import INTEGRATORS, free_row, header, pendulums, step_to_impact
+
+NUMBERS = 7  # force (3), impulse, peak force, alpha, count
+MASSES = (0.115, 0.230, 0.115)
+
+
+def readings(data) -> np.ndarray:
+    """One row per owned geom, of the state the last step started from."""
+    return data.sensor("impact").data.reshape(-1, NUMBERS).copy()
+
+
+def test_there_are_seven_numbers_per_owned_geom():
+    model, data = free_row(MASSES, start=3e-3)
+    assert data.sensor("impact").data.shape == (3 * NUMBERS,)
+    mujoco.mj_step(model, data)
+    np.testing.assert_array_equal(readings(data), 0)
+    step_to_impact(model, data)
+    assert np.any(readings(data) != 0)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("duration", ["hertz", 7.5e-3])
+def test_force_times_timestep_adds_up_to_the_change_of_momentum(integrator, duration):
+    model, data = free_row(
+        MASSES, integrator=integrator, duration=duration, gap=0.02, depth=0.014
+    )
+    before = data.qvel.reshape(3, 6)[:, :3].copy()
+    delivered = np.zeros((3, 3))
+    for _ in range(40):
+        mujoco.mj_step(model, data)
+        delivered += readings(data)[:, :3] * model.opt.timestep
+    after = data.qvel.reshape(3, 6)[:, :3]
+    change = np.array(MASSES)[:, None] * (after - before)
+    assert np.abs(change).max() > 0.01
+    # sums of a few numbers of 1e-2 N s
+    np.testing.assert_allclose(delivered, change, rtol=0, atol=1e-15)
+
+
+def test_action_equals_reaction_in_every_step():
+    model, data = free_row(MASSES, duration=7.5e-3, gap=0.02, depth=0.014)
+    largest = 0.0
+    for _ in range(40):
+        mujoco.mj_step(model, data)
+        force = readings(data)[:, :3]
+        largest = max(largest, np.abs(force).max())
+        assert np.abs(force.sum(axis=0)).max() <= 1e-15 * max(largest, 1)
+    assert largest > 1
+
+
+def test_after_the_impact_it_tells_impulse_peak_alpha_and_count():
+    model, data = free_row(MASSES, duration=7.5e-3, gap=0.02, depth=0.014)
+    for _ in range(40):
+        mujoco.mj_step(model, data)
+    first, second = header(model, data).pulses[:2]
+    found = readings(data)
+    np.testing.assert_array_equal(found[:, :3], 0)
+    P, alpha, W = first[4], first[5], first[6]
+    H = np.pi * P / (2 * W)
+    np.testing.assert_allclose(found[0, 3:], [P, H, alpha, 1], rtol=1e-14)
+    P = second[4]
+    np.testing.assert_allclose(found[2, 3], P, rtol=1e-14)
+    np.testing.assert_allclose(found[2, 4], np.pi * P / (2 * W), rtol=1e-14)
+    # the middle ball took part in both
+    np.testing.assert_array_equal(found[:, 6], [1, 2, 1])
+
+
+def test_alpha_of_an_isolated_impact_is_one():
+    """alpha = P / P_ref, P_ref = (1 + e) mu u of the contact that closes first."""
+    model, data = free_row(MASSES[:2], restitution=0.7)
+    for _ in range(10):
+        mujoco.mj_step(model, data)
+    np.testing.assert_allclose(readings(data)[:, 5], 1, rtol=1e-14)
+
+
+def test_the_order_is_that_of_the_tuple():
+    model, data = free_row(MASSES, geoms=["ball2", "ball0", "ball1"])
+    for _ in range(10):
+        mujoco.mj_step(model, data)
+    np.testing.assert_array_equal(readings(data)[:, 6], [1, 1, 2])
+
+
+def test_the_sensor_agrees_with_forward_before_the_step():
+    """mj_forward and the step that follows it see the same impact."""
+    model, data = pendulums("AAA")
+    twin = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, twin, 0)
+    seen = 0
+    for _ in range(160):
+        mujoco.mj_forward(model, twin)
+        expected = twin.sensor("impact").data.copy()
+        mujoco.mj_step(model, twin)
+        mujoco.mj_step(model, data)
+        np.testing.assert_array_equal(data.sensor("impact").data, expected)
+        seen += int(expected[0] != 0)
+    assert seen > 0
+
+
+def test_reset_clears_the_records():
+    model, data = pendulums("AAA")
+    step_to_impact(model, data)
+    mujoco.mj_step(model, data)
+    assert readings(data)[0, 6] == 1
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    np.testing.assert_array_equal(readings(data), 0)
