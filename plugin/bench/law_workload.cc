@@ -21,13 +21,15 @@ namespace {
 
 constexpr double kMass = 0.115;         // [kg]
 constexpr double kStiffness = 1.27e10;  // [N/m^1.5] two balls of 30 mm, steel
+constexpr double kHorizon = 1e-3;       // [s] what one timestep may hold
 constexpr double kSpeed = 0.89;         // [m/s]
 
 }  // namespace
 
 // What is counted: one solve, nothing around it.
 extern "C" __attribute__((noinline)) law::ImpactReport MeasuredImpact(
-    const law::ImpactProblem& problem, law::ImpactSolution* solution, double* workspace) {
+    const law::ImpactProblem& problem, law::ImpactSolution* solution,
+    const law::Workspace& workspace) {
   return law::SolveImpact(problem, true, solution, workspace);
 }
 
@@ -45,10 +47,15 @@ int main(int argc, char** argv) {
   const std::vector<double> stiffness(contacts, kStiffness);
   closing[0] = kSpeed;
   gap[0] = 0;
-  const law::ImpactProblem problem{matrix.View(), closing.data(),
-                                   gap.data(),    stiffness.data(),
-                                   1.0,           law::Dissipation::kBistiffness,
-                                   1e-3,          law::kDefaultTolerance};
+  const law::ImpactProblem problem{matrix.View(),
+                                   closing.data(),
+                                   gap.data(),
+                                   stiffness.data(),
+                                   1.0,
+                                   law::Dissipation::kBistiffness,
+                                   kHorizon,
+                                   kHorizon,
+                                   law::kDefaultTolerance};
   std::vector<double> impulse(contacts), moment(contacts), onset(contacts), after(contacts);
   std::vector<double> numbers(law::ImpactNumbers(static_cast<int>(contacts)));
   std::vector<int> indices(law::ImpactIndices(static_cast<int>(contacts)));

@@ -32,8 +32,8 @@ struct Config {
   const char* alpha;            // text of the list, for the law `calibrated`
 };
 
-// Whether the law times each contact itself, by the physical contact time: such an impact is over at
-// once where the step is longer.
+// Whether the law times each contact itself, by the physical contact time: such an impact is over
+// at once where the step is longer.
 inline bool InstantRule(const Config& config) {
   return config.law == Law::kHertz && config.duration_rule == DurationRule::kHertz;
 }

@@ -45,8 +45,7 @@ ContactAnchor AnchorContact(const mjModel* m, const mjData* d, const mjContact& 
 // The path starts where the bodies are in `d`.
 class ContactPath {
  public:
-  ContactPath(const mjModel* m, const mjData* d, const ContactAnchor& anchor,
-              const Motion& motion);
+  ContactPath(const mjModel* m, const mjData* d, const ContactAnchor& anchor, const Motion& motion);
 
   const BodyPoint& side(int i) const { return side_[i]; }
 

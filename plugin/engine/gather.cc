@@ -48,10 +48,18 @@ Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& owne
                     owned,
                     scratch.Take<ContactAnchor>(count),
                     scratch.Take<bool>(count),
+                    scratch.Take<mjtNum>(count),
+                    scratch.Take<bool>(count),
                     scratch.Take<bool>(count),
                     scratch.Take<bool>(count),
                     scratch.Take<mjtNum>(count)};
   std::fill_n(gathered.anchored, count, false);
+  std::fill_n(gathered.relevant, count, true);
+  for (int k = 0; k < count; ++k) {
+    const mjContact& contact = d->contact[owned[k]];
+    const mjtNum speed = std::max<mjtNum>(0, ClosingSpeed(m, d, contact));
+    gathered.lowest[k] = contact.dist - speed * m->opt.timestep;
+  }
   return gathered;
 }
 
@@ -67,15 +75,12 @@ void FindNear(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum 
               Gathered& gathered) {
   const mjtNum time_left = m->opt.timestep - outlook.start;
   for (int k = 0; k < gathered.count; ++k) {
-    const mjContact& contact = d->contact[gathered.contact[k]];
-    if (outlook.start == 0) {
-      const mjtNum travel = std::max<mjtNum>(0, ClosingSpeed(m, d, contact)) * time_left;
-      gathered.near[k] = contact.dist - travel <= reach;
-    } else {
+    mjtNum lowest = gathered.lowest[k];
+    if (outlook.start > 0 && gathered.relevant[k]) {
       const ContactPath path(m, d, Anchor(m, d, gathered, k), outlook.motion);
-      const mjtNum travel = std::max<mjtNum>(0, -path.GapRate(0)) * time_left;
-      gathered.near[k] = path.Gap(0) - travel <= reach;
+      lowest = path.Gap(0) + std::min<mjtNum>(0, path.GapRate(0)) * time_left;
     }
+    gathered.near[k] = gathered.due[k] || lowest <= reach;
   }
 }
 
@@ -98,8 +103,9 @@ bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum t
   for (int k = 0; k < gathered.count; ++k) {
     const mjContact& contact = d->contact[gathered.contact[k]];
     gathered.due[k] = false;
+    if (!gathered.relevant[k]) continue;
     // the bodies are still where MuJoCo found the contact: its velocities tell
-    if (outlook.start == 0 && !MayClose(m, d, contact, touch)) continue;
+    if (outlook.start == 0 && gathered.lowest[k] >= -touch) continue;
     mjtNum tau;
     if (!IsDue(m, d, outlook, settled, touch, Anchor(m, d, gathered, k), &tau)) continue;
     mjtNum free = -m->opt.timestep;

@@ -25,9 +25,11 @@ struct Gathered {
   int* contact;           // indices into mjData.contact
   ContactAnchor* anchor;  // the same, wherever the bodies are; valid where `anchored`
   bool* anchored;
-  bool* due;              // whether it closes in the rest of the step
-  bool* near;             // whether it may take part in the impact of a neighbour
-  mjtNum* tau;            // when, from the time of the outlook, if due [s]
+  mjtNum* lowest;  // gap that it has at least by the end of the step, if nothing strikes [m]
+  bool* relevant;  // whether it may still close: it was struck, or waits for its turn
+  bool* due;       // whether it closes in the rest of the step
+  bool* near;      // whether it may take part in the impact of a neighbour
+  mjtNum* tau;     // when, from the time of the outlook, if due [s]
 };
 
 Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership,
@@ -36,15 +38,15 @@ Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& owne
 // The anchor of contact k, made while the bodies are still where MuJoCo found the contacts.
 const ContactAnchor& Anchor(const mjModel* m, const mjData* d, Gathered& gathered, int k);
 
-// Marks the contacts whose gap is at most `reach` at some time of the rest of the step, by the
-// velocities at its start: the others cannot close before the impact at hand is over, so they and
-// what lies behind them are not part of it.
+// Marks the contacts whose gap is at most `reach` at some time of the rest of the step: the others
+// cannot close before the impact at hand is over, so they and what lies behind them are not part of
+// it.
 void FindNear(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum reach,
               Gathered& gathered);
 
-// Finds out which contacts close in the rest of the step; true if any does. `busy` [s] says until
-// when each kinematic tree is taken by an impact that is already resolved, from the start of the
-// step (ntree).
+// Finds out which relevant contacts close in the rest of the step; true if any does. `busy` [s]
+// says until when each kinematic tree is taken by an impact that is already resolved, from the
+// start of the step (ntree).
 bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum touch,
              const mjtNum* busy, Gathered& gathered, Scratch& scratch);
 

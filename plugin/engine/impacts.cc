@@ -25,6 +25,9 @@ constexpr int kMaxRounds = 32;
 // lever arms are then off by the square of the angle turned meanwhile: 1e-2 of that of a step.
 constexpr mjtNum kSameImpact = 0.1;
 
+// Marks of kinematic trees within a round.
+constexpr int kUntouched = 0, kAtHand = 1, kStruck = 2;
+
 class Resolver {
  public:
   Resolver(const mjModel* m, mjData* d, int instance, State& state, Delivery& delivery,
@@ -37,7 +40,9 @@ class Resolver {
         delivery_(delivery),
         scratch_(scratch),
         contacts_(GatherContacts(m, d, ownership_, scratch)),
-        busy_(scratch.Take<mjtNum>(m->ntree)) {
+        busy_(scratch.Take<mjtNum>(m->ntree)),
+        mark_(scratch.Take<int>(m->ntree)),
+        kicked_{scratch.Take<mjtNum>(m->nv), nullptr, nullptr} {
     std::fill_n(busy_, m->ntree, -m->opt.timestep);  // before any closing, late ones included
   }
 
@@ -49,8 +54,9 @@ class Resolver {
                        int count);
   ImpactTime FirstClosing(const Outlook& outlook, const int* position, int count) const;
   void AddImpact(const ContactRow& row, const Impact& impact);
+  bool IsReached(const int* position, int count, mjtNum tau);
   bool WasStruck(int k) const;
-  bool MoreMayClose(const mjtNum* velocity);
+  bool MoreMayClose(const Outlook& outlook);
 
   const mjModel* m_;
   mjData* d_;
@@ -60,9 +66,11 @@ class Resolver {
   Delivery& delivery_;
   Scratch& scratch_;
   Gathered contacts_;
-  mjtNum* busy_;  // until when each tree is taken by an impact [s from the start of the step]
+  mjtNum* busy_;   // until when each tree is taken by an impact [s from the start of the step]
+  int* mark_;      // mark of each tree
+  Motion kicked_;  // the path of the round with the velocity its impacts left
   mjtNum flight_ = 0;
-  mjtNum round_end_ = 0;   // when the first impact of the round is over
+  mjtNum round_end_ = 0;  // when the first impact of the round is over
   bool all_at_once_ = true;
 };
 
@@ -78,6 +86,12 @@ void Resolver::AddImpact(const ContactRow& row, const Impact& impact) {
   AddRowTransposed(m_, row, share.moment, delivery_.moment);
   AddRowTransposed(m_, row, SecondMoment(share), delivery_.second);
   all_at_once_ = all_at_once_ && impact.at_once;
+  for (const RowSegment& segment : row.segment) {
+    if (segment.tree < 0) continue;
+    mju_addToScl(kicked_.velocity + m_->tree_dofadr[segment.tree], segment.inverse_inertia,
+                 share.impulse, m_->tree_dofnum[segment.tree]);
+    mark_[segment.tree] = kStruck;
+  }
 }
 
 ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, int count) const {
@@ -127,20 +141,55 @@ void Resolver::ResolveRound(const Outlook& outlook) {
   // what the fastest body may travel in an impact: it may leave it at up to twice its speed
   const mjtNum fastest = 2 * FastestClosing(m_, d_, outlook, contacts_);
   FindNear(m_, d_, outlook, fastest * flight_, contacts_);
-  const Islands islands =
-      FindIslands(m_, d_, contacts_.contact, contacts_.due, contacts_.near, contacts_.count, scratch);
-  mjtNum first = std::numeric_limits<mjtNum>::infinity();
-  for (int k = 0; k < contacts_.count; ++k) {
-    if (contacts_.due[k]) first = std::min(first, contacts_.tau[k]);
-  }
+  const Islands islands = FindIslands(m_, d_, contacts_.contact, contacts_.due, contacts_.near,
+                                      contacts_.count, scratch);
   round_end_ = m_->opt.timestep;
+  std::fill_n(mark_, m_->ntree, kUntouched);
+  mju_copy(kicked_.velocity, outlook.motion.velocity, m_->nv);
+  kicked_.acceleration = outlook.motion.acceleration;
+  kicked_.jerk = outlook.motion.jerk;
+
+  // in order of time, so that an island that the impacts before may reach can wait for its turn
+  ImpactTime* times = scratch.Take<ImpactTime>(islands.number);
+  int* order = scratch.Take<int>(islands.number);
   for (int i = 0; i < islands.number; ++i) {
-    const int* position = islands.position + islands.start[i];
-    const int count = islands.start[i + 1] - islands.start[i];
-    const ImpactTime time = FirstClosing(outlook, position, count);
-    // an island that closes later waits: what the others leave may reach it before
-    if (time.tau <= first + flight_) ResolveIslandOf(outlook, time, position, count);
+    order[i] = i;
+    times[i] = FirstClosing(outlook, islands.position + islands.start[i],
+                            islands.start[i + 1] - islands.start[i]);
   }
+  std::sort(order, order + islands.number,
+            [times](int i, int j) { return times[i].tau < times[j].tau; });
+  for (int i = 0; i < islands.number; ++i) {
+    const int island = order[i];
+    const int* position = islands.position + islands.start[island];
+    const int count = islands.start[island + 1] - islands.start[island];
+    if (i > 0 && IsReached(position, count, times[island].tau)) break;
+    ResolveIslandOf(outlook, times[island], position, count);
+  }
+}
+
+// Whether a body struck in this round may reach the island before it closes at τ.
+bool Resolver::IsReached(const int* position, int count, mjtNum tau) {
+  constexpr mjtNum kSafety =
+      0.8;  // the estimate knows neither when the body was struck nor gravity
+  for (int k = 0; k < count; ++k) {
+    for (const int tree : TreesOf(m_, d_->contact[contacts_.contact[position[k]]]).tree) {
+      if (tree >= 0) mark_[tree] = kAtHand;
+    }
+  }
+  bool reached = false;
+  for (int k = 0; k < contacts_.count && !reached; ++k) {
+    const auto [first, second] = TreesOf(m_, d_->contact[contacts_.contact[k]]).tree;
+    if (first < 0 || second < 0 || mark_[first] + mark_[second] != kAtHand + kStruck) continue;
+    const ContactPath path(m_, d_, Anchor(m_, d_, contacts_, k), kicked_);
+    reached = kSafety * path.Gap(0) < -path.GapRate(0) * tau;
+  }
+  for (int k = 0; k < count; ++k) {
+    for (const int tree : TreesOf(m_, d_->contact[contacts_.contact[position[k]]]).tree) {
+      if (tree >= 0) mark_[tree] = kUntouched;
+    }
+  }
+  return reached;
 }
 
 // Whether an impact of this step has changed the velocity of one of the bodies of contact k.
@@ -153,18 +202,16 @@ bool Resolver::WasStruck(int k) const {
 
 // Whether any contact may close before the end of the step with the velocity the impacts left:
 // one that was due but has to wait for its turn, or one whose bodies were struck.
-bool Resolver::MoreMayClose(const mjtNum* velocity) {
-  Scratch scratch(d_);
-  mjtNum* none = scratch.Zeros(m_->nv);
-  Motion motion{scratch.Take<mjtNum>(m_->nv), none, none};
-  mju_copy(motion.velocity, velocity, m_->nv);
-  const mjtNum h = m_->opt.timestep;
+bool Resolver::MoreMayClose(const Outlook& outlook) {
+  const mjtNum time_left = m_->opt.timestep - outlook.start;
+  bool any = false;
   for (int k = 0; k < contacts_.count; ++k) {
-    if (!contacts_.due[k] && !WasStruck(k)) continue;
-    const ContactPath path(m_, d_, Anchor(m_, d_, contacts_, k), motion);
-    if (path.GapRate(0) < 0 && path.Gap(0) + h * path.GapRate(0) < -config_.touch) return true;
+    contacts_.relevant[k] = contacts_.due[k] || WasStruck(k);
+    if (any || !contacts_.relevant[k]) continue;
+    const ContactPath path(m_, d_, Anchor(m_, d_, contacts_, k), kicked_);
+    any = path.GapRate(0) < 0 && path.Gap(0) + time_left * path.GapRate(0) < -config_.touch;
   }
-  return false;
+  return any;
 }
 
 void Resolver::Run() {
@@ -179,7 +226,7 @@ void Resolver::Run() {
     flight_ = last ? std::numeric_limits<mjtNum>::infinity() : kSameImpact * h;
     ResolveRound(outlook);
     if (last || !all_at_once_ || round_end_ >= h) return;
-    if (!MoreMayClose(bodies.KickedVelocity(delivery_))) return;
+    if (!MoreMayClose(outlook)) return;
     for (int k = 0; k < contacts_.count; ++k) Anchor(m_, d_, contacts_, k);
     outlook = bodies.MoveTo(round_end_, delivery_);
   }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The impacts of a step, one after the other.
 //
-// Impacts that come at once, or in quick succession, are one problem of the law. Those further apart
-// within the step are resolved in rounds: after each the bodies are moved to where it leaves them,
-// and whatever closes next is resolved with the geometry of its own time.
+// Impacts that come at once, or in quick succession, are one problem of the law. Those further
+// apart within the step are resolved in rounds: after each the bodies are moved to where it leaves
+// them, and whatever closes next is resolved with the geometry of its own time.
 
 #ifndef MUJOCO_IMPACT_ENGINE_IMPACTS_H_
 #define MUJOCO_IMPACT_ENGINE_IMPACTS_H_

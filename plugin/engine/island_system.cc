@@ -117,8 +117,8 @@ law::DelassusMatrix BuildDelassus(const mjModel* m, const IslandSystem& system, 
 
 }  // namespace
 
-size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts,
-                   const int* position, int count) {
+size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts, const int* position,
+                   int count) {
   // each contact couples with all contacts of its trees: bound the matrix by counting them twice
   size_t dofs = 0;
   for (int i = 0; i < count; ++i) {
@@ -131,15 +131,17 @@ size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts,
          m->ntree * sizeof(int);
 }
 
-IslandSystem BuildIsland(const mjModel* m, const mjData* d, Gathered& contacts,
-                         const int* position, int count, const Motion& motion, mjtNum tau,
-                         Scratch& scratch) {
+IslandSystem BuildIsland(const mjModel* m, const mjData* d, Gathered& contacts, const int* position,
+                         int count, const Motion& motion, mjtNum tau, Scratch& scratch) {
   IslandSystem system{count, scratch.Take<ContactRow>(count), {}};
   for (int k = 0; k < count; ++k) {
     const int i = position[k];
-    ContactRow* row = new (&system.row[k])
-        ContactRow{&d->contact[contacts.contact[i]],
-                   ContactPath(m, d, Anchor(m, d, contacts, i), motion), {}, 0, {}};
+    ContactRow* row =
+        new (&system.row[k]) ContactRow{&d->contact[contacts.contact[i]],
+                                        ContactPath(m, d, Anchor(m, d, contacts, i), motion),
+                                        {},
+                                        0,
+                                        {}};
     FillRow(m, d, tau, *row, scratch);
   }
   system.delassus = BuildDelassus(m, system, scratch);

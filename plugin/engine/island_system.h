@@ -40,13 +40,12 @@ struct IslandSystem {
 };
 
 // Bytes of scratch that the island of the contacts at these positions takes.
-size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts,
-                   const int* position, int count);
+size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts, const int* position,
+                   int count);
 
 // Builds the rows at time τ on the path of `motion`.
-IslandSystem BuildIsland(const mjModel* m, const mjData* d, Gathered& contacts,
-                         const int* position, int count, const Motion& motion, mjtNum tau,
-                         Scratch& scratch);
+IslandSystem BuildIsland(const mjModel* m, const mjData* d, Gathered& contacts, const int* position,
+                         int count, const Motion& motion, mjtNum tau, Scratch& scratch);
 
 // J_k x for a vector of all degrees of freedom.
 mjtNum RowTimes(const mjModel* m, const ContactRow& row, const mjtNum* x);

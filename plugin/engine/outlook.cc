@@ -34,8 +34,7 @@ BodiesInStep::BodiesInStep(const mjModel* m, mjData* d, const Motion& motion, Sc
       motion_(motion),
       qpos_(scratch.Take<mjtNum>(m->nq)),
       qvel_(scratch.Take<mjtNum>(m->nv)),
-      moved_{scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv),
-             scratch.Take<mjtNum>(m->nv)},
+      moved_{scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv)},
       kick_(scratch.Take<mjtNum>(m->nv)),
       displacement_(scratch.Take<mjtNum>(m->nv)),
       work_(scratch.Take<mjtNum>(m->nv)) {
@@ -45,12 +44,6 @@ BodiesInStep::BodiesInStep(const mjModel* m, mjData* d, const Motion& motion, Sc
 
 BodiesInStep::~BodiesInStep() {
   if (away_) Place(nullptr, qvel_);
-}
-
-const mjtNum* BodiesInStep::KickedVelocity(const Delivery& delivery) {
-  mj_solveM(m_, d_, kick_, delivery.impulse, 1);
-  mju_addTo(kick_, motion_.velocity, m_->nv);
-  return kick_;
 }
 
 Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery) {
@@ -69,7 +62,8 @@ Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery) {
   mj_solveM(m_, d_, displacement_, work_, 1);
   gradient(displacement_, a);
   for (int i = 0; i < nv; ++i) {
-    work_[i] = 0.5 * t * t * delivery.impulse[i] - t * delivery.moment[i] + 0.5 * delivery.second[i];
+    work_[i] =
+        0.5 * t * t * delivery.impulse[i] - t * delivery.moment[i] + 0.5 * delivery.second[i];
   }
   mj_solveM(m_, d_, v, work_, 1);
   gradient(v, v);
@@ -84,8 +78,8 @@ Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery) {
   return {t, moved_, nullptr, nullptr};
 }
 
-// MuJoCo's own kinematics at qpos ⊕ displacement, or at qpos if that is null: the same code with the same input gives the same
-// bits when the bodies are put back.
+// MuJoCo's own kinematics at qpos ⊕ displacement, or at qpos if that is null: the same code with
+// the same input gives the same bits when the bodies are put back.
 void BodiesInStep::Place(const mjtNum* displacement, const mjtNum* velocity) {
   mju_copy(d_->qpos, qpos_, m_->nq);
   if (displacement) mj_integratePos(m_, d_->qpos, displacement, 1);

@@ -44,9 +44,6 @@ class BodiesInStep {
   BodiesInStep(const BodiesInStep&) = delete;
   BodiesInStep& operator=(const BodiesInStep&) = delete;
 
-  // Velocity that the impulses delivered so far leave, as if they had come at the start (nv).
-  const mjtNum* KickedVelocity(const Delivery& delivery);
-
   // Moves the bodies to time t, after the impulses in `delivery`, and looks ahead from there.
   Outlook MoveTo(mjtNum t, const Delivery& delivery);
 

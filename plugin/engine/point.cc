@@ -14,8 +14,8 @@ void AxisTimes(const mjtNum axis[6], const mjtNum offset[3], mjtNum column[3]) {
   mju_addTo3(column, axis + 3);
 }
 
-// Rate of the axis of a degree of freedom. The axes of a quaternion joint turn with the body itself,
-// which cdof_dot leaves out.
+// Rate of the axis of a degree of freedom. The axes of a quaternion joint turn with the body
+// itself, which cdof_dot leaves out.
 void AxisVelocity(const mjModel* m, const mjData* d, int dof, mjtNum axis_dot[6]) {
   if (TurnsWithBody(m, dof)) {
     SpatialCross(d->cvel + 6 * m->dof_bodyid[dof], d->cdof + 6 * dof, axis_dot);

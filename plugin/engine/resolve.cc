@@ -54,16 +54,16 @@ struct Problem {
 Problem MakeProblem(const mjModel* m, const Config& config, const IslandSystem& system,
                     const mjtNum* velocity, Scratch& scratch) {
   const int n = system.size;
-  Problem problem{n,
-                  scratch.Take<mjtNum>(n),
-                  scratch.Take<mjtNum>(n),
-                  scratch.Take<mjtNum>(n),
-                  scratch.Zeros(n),
-                  scratch.Zeros(n),
-                  scratch.Zeros(n),
-                  scratch.Take<mjtNum>(n),
-                  {scratch.Take<mjtNum>(law::ImpactNumbers(n)),
-                   scratch.Take<int>(law::ImpactIndices(n))}};
+  Problem problem{
+      n,
+      scratch.Take<mjtNum>(n),
+      scratch.Take<mjtNum>(n),
+      scratch.Take<mjtNum>(n),
+      scratch.Zeros(n),
+      scratch.Zeros(n),
+      scratch.Zeros(n),
+      scratch.Take<mjtNum>(n),
+      {scratch.Take<mjtNum>(law::ImpactNumbers(n)), scratch.Take<int>(law::ImpactIndices(n))}};
   for (int k = 0; k < n; ++k) {
     const ContactRow& row = system.row[k];
     problem.closing_speed[k] = -RowTimes(m, row, velocity);
@@ -93,11 +93,15 @@ mjtNum IncomingMomentum(const mjModel* m, const IslandSystem& system, int first,
 
 void SolveHertz(const Config& config, const IslandSystem& system, const ImpactTime& time,
                 Problem& problem) {
-  const law::ImpactProblem impact{
-      system.delassus,          problem.closing_speed, problem.gap,
-      problem.stiffness,        config.restitution,    config.dissipation,
-      time.timestep - time.start - time.tau,
-                                  time.flight, law::kDefaultTolerance};
+  const law::ImpactProblem impact{system.delassus,
+                                  problem.closing_speed,
+                                  problem.gap,
+                                  problem.stiffness,
+                                  config.restitution,
+                                  config.dissipation,
+                                  time.timestep - time.start - time.tau,
+                                  time.flight,
+                                  law::kDefaultTolerance};
   law::ImpactSolution solution{problem.impulse, problem.moment, problem.onset, problem.after};
   law::SolveImpact(impact, config.passive, &solution, problem.work);
 }
@@ -119,8 +123,8 @@ void SolveCalibrated(const Config& config, const Ownership& ownership, const Isl
     problem.impulse[k] = touches ? alpha[k] * common : 0;
   }
   if (!config.passive) return;
-  const mjtNum scale =
-      law::PassiveScale(system.delassus, problem.closing_speed, problem.impulse, problem.work.numbers);
+  const mjtNum scale = law::PassiveScale(system.delassus, problem.closing_speed, problem.impulse,
+                                         problem.work.numbers);
   if (scale < 1) mju_scl(problem.impulse, problem.impulse, scale, problem.size);
 }
 

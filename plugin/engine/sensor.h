@@ -15,9 +15,10 @@ namespace mujoco_impact::engine {
 
 constexpr int kNumbersPerGeom = 7;
 
-// The stage at which MuJoCo asks for the sensor comes before the passive forces, so there it reports
-// what has been committed; `compute` of the passive forces then adds the impacts of this step. The
-// stages that come later cost a pass over all bodies for quantities that no one needs here.
+// The stage at which MuJoCo asks for the sensor comes before the passive forces, so there it
+// reports what has been committed; `compute` of the passive forces then adds the impacts of this
+// step. The stages that come later cost a pass over all bodies for quantities that no one needs
+// here.
 
 // Writes the output of every sensor of the instance; `impacts` says whether those of this step have
 // been computed.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // How gravity and joint springs change when bodies are displaced: (∂Q/∂q) u.
 //
-// An impact in the middle of a step bends the path, so that for the rest of the step the bodies feel
-// forces other than the integrator assumed. With the impulse at time s of a step of length h, a
-// displacement ΔV (t − s) for t > s adds G ΔV (h − s)²/2 to the velocity, G = ∂a/∂q; the integrator
-// adds the effect of its own displacement instead:
+// An impact in the middle of a step bends the path, so that for the rest of the step the bodies
+// feel forces other than the integrator assumed. With the impulse at time s of a step of length h,
+// a displacement ΔV (t − s) for t > s adds G ΔV (h − s)²/2 to the velocity, G = ∂a/∂q; the
+// integrator adds the effect of its own displacement instead:
 //
 //   Euler, implicit...   G ΔV h (h − s)/2     half at each end of the step, at the end from q(h)
 //   RK4                  G ΔV h²/6            from the path ΔV t²/(2h) of a constant force

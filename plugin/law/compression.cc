@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "law/impact_clock.h"
+#include "law/single_impact.h"
 #include "law/window.h"
 
 namespace mujoco_impact::law {
@@ -42,6 +43,8 @@ class Integrator {
   void Accept(double h);
   void UpdatePhases();
   void MoveWindow();
+  int ClosingAlone() const;
+  void CollideAlone(int k);
 
   const ImpactProblem& problem_;
   ImpactSolution& solution_;
@@ -189,6 +192,54 @@ void Integrator::UpdatePhases() {
   if (dropped) EvaluateStage(y_, 0);
 }
 
+// The contact that has just closed, if nothing else happens until it opens again: no neighbour can
+// close under its impulse, no other contact closes by itself. −1 if something may.
+int Integrator::ClosingAlone() const {
+  const DelassusMatrix& W = problem_.delassus;
+  int alone = -1;
+  for (int i = 0; i < window_.size(); ++i) {
+    const int k = window_[i];
+    if (y_[k] != 0 || c_[k] <= 0) continue;
+    if (alone >= 0) return -1;
+    alone = k;
+  }
+  if (alone < 0) return -1;
+  const double mu = 1 / W.diagonal[alone];
+  const SingleImpact single =
+      SolveSingleImpact(mu, c_[alone], problem_.stiffness[alone], problem_.restitution);
+  for (int a = W.row_start[alone]; a < W.row_start[alone + 1]; ++a) {
+    const int l = W.column[a];
+    // the impulse changes c by at most |W_kl| P
+    const double fastest = std::max(0.0, c_[l]) + std::abs(W.value[a]) * single.impulse;
+    if (l != alone && -y_[l] <= fastest * single.duration) return -1;
+  }
+  for (int i = 0; i < window_.size(); ++i) {
+    const int l = window_[i];
+    if (l != alone && c_[l] > 0 && -y_[l] <= c_[l] * single.duration) return -1;
+  }
+  return alone;
+}
+
+// The whole contact in closed form.
+void Integrator::CollideAlone(int k) {
+  const DelassusMatrix& W = problem_.delassus;
+  const SingleImpact single =
+      SolveSingleImpact(1 / W.diagonal[k], c_[k], problem_.stiffness[k], problem_.restitution);
+  const double P = single.impulse, T = single.duration;
+  if (solution_.impulse[k] == 0) solution_.onset[k] = t_;
+  solution_.impulse[k] += P;
+  solution_.moment[k] += t_ * P + single.moment;
+  for (int i = 0; i < window_.size(); ++i) y_[window_[i]] += c_[window_[i]] * T;
+  for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
+    const int l = W.column[a];
+    // Δy = −W_kl ∫ (T − s) F ds
+    y_[l] -= W.value[a] * (T * P - single.moment);
+    c_[l] -= W.value[a] * P;
+  }
+  y_[k] = 0;
+  t_ += T;
+}
+
 void Integrator::MoveWindow() {
   if (window_.Move(t_, y_, c_, force_, 4)) EvaluateStage(y_, 0);
 }
@@ -208,6 +259,13 @@ ImpactReport Integrator::Run() {
     }
     if (!AnyCompressed(window_, y_)) {
       if (!FlyToNextClosing(problem_, window_, &t_, y_, c_)) break;
+      MoveWindow();
+      if (const int alone = ClosingAlone(); alone >= 0) {
+        CollideAlone(alone);
+        MoveWindow();
+        ++report.steps;
+        continue;
+      }
       h = std::min(h, first_step);
     }
     const double error = TryStep(h);

@@ -6,9 +6,9 @@
 //
 // so that a contact gives back e² of the work stored in it (energetic restitution, Stronge) at any
 // speed. For e = 1 this is the Hertz ordinary differential equation; for e < 1 it is the
-// Liu-Zhao-Brogliato law (Proc. R. Soc. A 464, 2008, bi-stiffness) without its singular start, except
-// that a contact which has expanded opens a gap, where theirs may press again at once.
-// A contact of e = 0 drops its compression when it stops closing. Only ratios of stiffness and mass
+// Liu-Zhao-Brogliato law (Proc. R. Soc. A 464, 2008, bi-stiffness) without its singular start,
+// except that a contact which has expanded opens a gap, where theirs may press again at once. A
+// contact of e = 0 drops its compression when it stops closing. Only ratios of stiffness and mass
 // matter for the impulses; the result is independent of the speed.
 //
 // Method: the embedded Runge-Kutta-Nyström pair 4(3) of Dormand, El-Mikkawy and Prince (IMA J.

@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "law/compression.h"
-#include "law/hertz_contact.h"
 #include "law/impact_clock.h"
 #include "law/passivity.h"
+#include "law/single_impact.h"
 #include "law/viscous.h"
 #include "law/window.h"
 
@@ -36,21 +36,7 @@ void Scale(double factor, int n, double* x) {
 
 }  // namespace
 
-SingleImpact SolveSingleImpact(double reduced_mass, double speed, double stiffness,
-                               double restitution) {
-  const double e = restitution;
-  const double y_max = MaximumCompression(stiffness, reduced_mass, speed);
-  SingleImpact single;
-  single.impulse = (1 + e) * reduced_mass * speed;
-  single.duration = (1 + e) / 2 * ContactTime(stiffness, reduced_mass, speed);
-  single.moment = single.duration * single.impulse -
-                  reduced_mass * (speed * single.duration - (1 - e * e) * y_max);
-  return single;
-}
-
-int ImpactNumbers(int size) {
-  return std::max(CompressionWorkspace(size), ViscousWorkspace(size));
-}
+int ImpactNumbers(int size) { return std::max(CompressionWorkspace(size), ViscousWorkspace(size)); }
 
 int ImpactIndices(int size) { return Window::kIndexArrays * size; }
 
@@ -62,8 +48,7 @@ ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolut
   const ImpactReport report = viscous ? IntegrateViscous(problem, solution, workspace)
                                       : IntegrateCompression(problem, solution, workspace);
   if (!passive) return report;
-  const double s =
-      ConservativeScale(problem.delassus, problem.closing_speed, solution->impulse,
+  const double s = ConservativeScale(problem.delassus, problem.closing_speed, solution->impulse,
                                      workspace.numbers);
   const double factor = problem.restitution == 1 && report.converged ? s : std::min(1.0, s);
   if (s > 0) {

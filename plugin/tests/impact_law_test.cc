@@ -10,6 +10,7 @@
 
 #include "law/hertz_contact.h"
 #include "law/passivity.h"
+#include "law/single_impact.h"
 #include "law/viscous.h"
 #include "tests/rows.h"
 

@@ -83,8 +83,8 @@ inline RowResult Collide(const Row& row, const RowOptions& options = {}) {
   result.onset.assign(n, poison);
   ImpactSolution solution{result.impulse.data(), result.moment.data(), result.onset.data(),
                           after.data()};
-  result.report = SolveImpact(problem, options.passive, &solution,
-                              {numbers.data(), indices.data()});
+  result.report =
+      SolveImpact(problem, options.passive, &solution, {numbers.data(), indices.data()});
   for (std::size_t i = 0; i <= n; ++i) {
     double v = static_cast<int>(i) < row.incoming ? 1 : 0;
     if (i > 0) v += result.impulse[i - 1] / row.mass[i];

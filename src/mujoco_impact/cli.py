@@ -150,6 +150,7 @@ def bench(
     quick: Annotated[
         bool, typer.Option("--quick", help="Only the recommended settings.")
     ] = False,
+    steps: Annotated[bool, typer.Option(help="Time single steps, too.")] = True,
     json_file: JsonOption = None,
 ) -> None:
     """Measure run time against error for many methods, and draw the charts."""
@@ -161,6 +162,7 @@ def bench(
                 scenes=None if scenes is None else scenes.split(","),
                 methods=None if methods is None else methods.split(","),
                 quick=quick,
+                steps=steps,
                 progress=report,
             )
         files = benchmark.write_files(results, out)

@@ -53,7 +53,7 @@ def run_benchmark(
         methods={family.name: family.title for family in families},
         points=tuple(points),
         steps=timed,
-        missing={family.name: family.missing for family in families if family.missing},
+        missing=_missing(chosen_scenes, families),
         versions=versions(families),
         machine=machine(),
         quick=quick,
@@ -94,7 +94,7 @@ def _scene_points(
         candidate
         for family in families
         for candidate in family.candidates
-        if candidate.suits(scene) and (candidate.quick or not quick)
+        if not candidate.obstacle(scene) and (candidate.quick or not quick)
     ]
     report(f"{scene.name}: Hertz reference")
     bench = SceneBench(scene, truth_of(scene), effort)
@@ -103,3 +103,16 @@ def _scene_points(
         report(f"{scene.name}: {candidate.method} ({number} of {len(candidates)})")
         points.append(bench.point(candidate))
     return points
+
+
+def _missing(
+    scenes: Sequence[BenchScene], families: Sequence[MethodFamily]
+) -> dict[str, str]:
+    """Returns why methods were not measured, at all or in some scenes."""
+    reasons = {family.name: family.missing for family in families if family.missing}
+    for family in families:
+        for scene in scenes:
+            obstacles = [one.obstacle(scene) for one in family.candidates]
+            if obstacles and all(obstacles):
+                reasons[f"{family.name} on {scene.name}"] = obstacles[0]
+    return reasons

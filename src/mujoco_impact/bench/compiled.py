@@ -65,7 +65,7 @@ class CompiledChain:
         """Runs once, with a sample every 2 ms."""
         count = round(self._duration / BASE_TIMESTEP) + 1
         angles, velocities = self._run(count)
-        times: Array = np.arange(count) * BASE_TIMESTEP
+        times = np.arange(count, dtype=np.float64) * BASE_TIMESTEP
         return Samples(times, angles, velocities)
 
     def run_time(self) -> float:

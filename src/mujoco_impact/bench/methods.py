@@ -44,14 +44,17 @@ class Candidate:
     lossless_only: bool = False
     most_balls: int = 1000
 
-    def suits(self, scene: BenchScene) -> bool:
-        """Returns whether the scene is measured with this candidate."""
-        return (
-            (scene.sweep or not self.sweep)
-            and (scene.is_row or not self.rows_only)
-            and (scene.restitution == 1.0 or not self.lossless_only)
-            and len(scene.pattern) <= self.most_balls
-        )
+    def obstacle(self, scene: BenchScene) -> str:
+        """Returns why the scene is not measured with this candidate, else empty."""
+        if self.rows_only and not scene.is_row:
+            return "simulates pendulum rows only"
+        if self.lossless_only and scene.restitution != 1.0:
+            return "knows restitution 1 only"
+        if len(scene.pattern) > self.most_balls:
+            return f"takes minutes for more than {self.most_balls} balls"
+        if self.sweep and not scene.sweep:
+            return "is a long sweep"
+        return ""
 
 
 @dataclasses.dataclass(frozen=True)

@@ -23,9 +23,17 @@ def show(results: Results, console: Console) -> None:
         console.print()
     if results.steps:
         console.print(step_table(results))
-    for method, reason in results.missing.items():
-        console.out(f"{method}: {reason}")
+    for reason, names in _by_reason(results.missing).items():
+        console.out(f"not measured, {reason}: {', '.join(names)}")
     for point in results.points:
         if point.failure:
             what = f"{point.scene}, {point.method}, {point.setting}"
             console.out(f"{what} ({point.timestep * 1e3:g} ms): {point.failure}")
+
+
+def _by_reason(missing: dict[str, str]) -> dict[str, list[str]]:
+    """Returns what was not measured, by the reason for it."""
+    reasons: dict[str, list[str]] = {}
+    for name, reason in missing.items():
+        reasons.setdefault(reason, []).append(name)
+    return reasons

@@ -37,7 +37,8 @@ class Results:
         methods: Title of each method by name.
         points: All points.
         steps: Times of single steps.
-        missing: Why a method was not measured, by name.
+        missing: Why a method was not measured, by its name, or that of the method and
+            the scene.
         versions: Version of everything that was measured, by name.
         machine: The machine.
         quick: Whether only a part was measured.
@@ -73,7 +74,7 @@ class Results:
         Raises:
             ResultsError: If the document has another layout.
         """
-        fields = dict(document)
+        fields = dict(document) if isinstance(document, dict) else {}
         version = fields.pop("layout_version", None)
         if version != LAYOUT_VERSION:
             msg = f"layout version {version}, this package reads {LAYOUT_VERSION}"

@@ -39,11 +39,12 @@ class SequentialSimulation:
         self._start = scene.start()
         short = truth.onset + VELOCITY_DELAY + 0.01
         self._duration = scene.duration if truth.motion is not None else short
+        self._share = self._duration / scene.duration
 
     def record(self) -> Samples:
         """Runs once, with a sample every 2 ms."""
         count = round(self._duration / BASE_TIMESTEP) + 1
-        times: Array = np.arange(count) * BASE_TIMESTEP
+        times = np.arange(count, dtype=np.float64) * BASE_TIMESTEP
         angles = np.zeros((count, self._chain.count))
         velocities = np.zeros_like(angles)
         now, (angle, velocity) = 0.0, self._start
@@ -64,10 +65,10 @@ class SequentialSimulation:
         raise SimulationError(msg, time=now)
 
     def run_time(self) -> float:
-        """Runs once and returns the wall-clock time [s]."""
+        """Runs once; returns the wall-clock time [s], scaled to the whole duration."""
         begin = time.perf_counter()
         self.record()
-        return time.perf_counter() - begin
+        return (time.perf_counter() - begin) / self._share
 
     def _fly(
         self, angle: Array, velocity: Array, elapsed: Array | float

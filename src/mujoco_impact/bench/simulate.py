@@ -18,7 +18,6 @@ from mujoco_impact.runner import (
     load_model,
     step_count,
 )
-from mujoco_impact.trajectory import Array
 
 START = "release"
 """Keyframe that every scene starts from."""
@@ -50,7 +49,7 @@ class MujocoSimulation:
         every = max(1, round(BASE_TIMESTEP / timestep))
         count = self._steps // every + 1
         data = self.restart()
-        times: Array = np.arange(count) * (every * timestep)
+        times = np.arange(count, dtype=np.float64) * (every * timestep)
         angles, velocities = np.zeros((count, model.nq)), np.zeros((count, model.nv))
         angles[0], velocities[0] = data.qpos, data.qvel
         with collected_warnings() as messages:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import contextlib
+import os
+import sys
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from mujoco_impact.bench.methods import MethodFamily
@@ -39,10 +42,12 @@ class BulletRow(SteppedEngine):
             self._world.disconnect()
 
     def _make(self) -> None:
-        import pybullet
-        from pybullet_utils.bullet_client import BulletClient
+        """Makes the world and hangs the balls into it."""
+        with _standard_output_to_error():
+            import pybullet
+            from pybullet_utils.bullet_client import BulletClient
 
-        world = BulletClient(connection_mode=pybullet.DIRECT)
+            world = BulletClient(connection_mode=pybullet.DIRECT)
         self._world = world
         world.setGravity(0, 0, -self.chain.gravity)
         world.setPhysicsEngineParameter(
@@ -97,6 +102,19 @@ class BulletRow(SteppedEngine):
         world.changeDynamics(ball, -1, linearDamping=0.0, angularDamping=0.0)
         world.setJointMotorControl2(ball, 0, world.VELOCITY_CONTROL, force=0.0)
         return int(ball)
+
+
+@contextlib.contextmanager
+def _standard_output_to_error() -> Iterator[None]:
+    """Moves what the library prints when it is loaded out of the way of `--json -`."""
+    sys.stdout.flush()
+    saved = os.dup(1)
+    try:
+        os.dup2(2, 1)
+        yield
+    finally:
+        os.dup2(saved, 1)
+        os.close(saved)
 
 
 def family() -> MethodFamily:

@@ -60,7 +60,7 @@ class SteppedEngine(abc.ABC):
             self.step(1)
             states.append(self.state())
         angles, velocities = np.array(states, dtype=float).transpose(1, 0, 2)
-        times: Array = np.arange(self.steps + 1) * self.timestep
+        times = np.arange(self.steps + 1, dtype=np.float64) * self.timestep
         return Samples(times, angles, velocities, self.shift * self.timestep)
 
     def run_time(self) -> float:

@@ -20,8 +20,8 @@ NAME, TITLE, PACKAGE = "exudyn", "Exudyn, Hertz contacts, DOPRI5", "exudyn"
 
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
 
-LONG_ROWS = 1e-6
-"""The tolerance that 50 balls are run with, which takes a quarter of a minute."""
+MOST_BALLS = 10
+"""50 balls take it minutes: one global step serves all contacts."""
 
 LONGEST_STEP = 0.01
 """Longest integration step, and time between samples [s]."""
@@ -166,11 +166,11 @@ class ExudynRow:
         integration.initialStepSize = 1e-5
         integration.minimumStepSize = 1e-12
         integration.verboseMode = 0
-        solution = settings.solutionSettings
-        solution.writeSolutionToFile = False
-        solution.solutionWritePeriod = self._duration
-        solution.sensorsWritePeriod = LONGEST_STEP
-        settings.displayComputationTime = False
+        solution = settings.solution
+        solution.file.write = False
+        solution.file.writePeriod = self._duration
+        solution.sensors.writePeriod = LONGEST_STEP
+        settings.show.computationTime = False
         solved = system.SolveDynamic(
             settings, solverType=exudyn.DynamicSolverType.DOPRI5
         )
@@ -194,7 +194,7 @@ def family() -> MethodFamily:
             quick=tolerance == 1e-6,
             rows_only=True,
             lossless_only=True,
-            most_balls=1000 if tolerance == LONG_ROWS else 10,
+            most_balls=MOST_BALLS,
         )
 
     return MethodFamily(NAME, TITLE, tuple(map(candidate, TOLERANCES)), version)
