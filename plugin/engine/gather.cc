@@ -84,17 +84,6 @@ void FindNear(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum 
   }
 }
 
-mjtNum FastestClosing(const mjModel* m, const mjData* d, const Outlook& outlook,
-                      Gathered& gathered) {
-  mjtNum fastest = 0;
-  for (int k = 0; k < gathered.count; ++k) {
-    if (!gathered.due[k]) continue;
-    const ContactPath path(m, d, Anchor(m, d, gathered, k), outlook.motion);
-    fastest = std::max(fastest, -path.GapRate(gathered.tau[k]));
-  }
-  return fastest;
-}
-
 bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum touch,
              const mjtNum* busy, Gathered& gathered, Scratch& scratch) {
   Motion settled = outlook.motion;

@@ -50,10 +50,6 @@ void FindNear(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum 
 bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum touch,
              const mjtNum* busy, Gathered& gathered, Scratch& scratch);
 
-// The fastest closing speed of the contacts that are due [m/s].
-mjtNum FastestClosing(const mjModel* m, const mjData* d, const Outlook& outlook,
-                      Gathered& gathered);
-
 }  // namespace mujoco_impact::engine
 
 #endif  // MUJOCO_IMPACT_ENGINE_GATHER_H_

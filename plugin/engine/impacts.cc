@@ -13,6 +13,7 @@
 #include "engine/ownership.h"
 #include "engine/resolve.h"
 #include "engine/slots.h"
+#include "law/impact_clock.h"
 
 namespace mujoco_impact::engine {
 
@@ -55,6 +56,7 @@ class Resolver {
   ImpactTime FirstClosing(const Outlook& outlook, const int* position, int count) const;
   void AddImpact(const ContactRow& row, const Impact& impact);
   bool IsReached(const int* position, int count, mjtNum tau);
+  mjtNum Reach(const Outlook& outlook);
   bool WasStruck(int k) const;
   bool MoreMayClose(const Outlook& outlook);
 
@@ -136,11 +138,24 @@ void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
   }
 }
 
+// How far a body may get in an impact of this round: it may leave it at up to twice the speed of
+// the fastest closing, and fly for as long as the law counts what follows as the same impact.
+mjtNum Resolver::Reach(const Outlook& outlook) {
+  mjtNum reach = 0;
+  for (int k = 0; k < contacts_.count; ++k) {
+    if (!contacts_.due[k]) continue;
+    const ContactPath path(m_, d_, Anchor(m_, d_, contacts_, k), outlook.motion);
+    const mjtNum speed = -path.GapRate(contacts_.tau[k]);
+    if (speed <= 0) continue;
+    const mjtNum time = EstimateContactTime(m_, config_, d_->contact[contacts_.contact[k]], speed);
+    reach = std::max(reach, 2 * speed * std::max(flight_, law::kSameImpactTimes * time));
+  }
+  return reach;
+}
+
 void Resolver::ResolveRound(const Outlook& outlook) {
   Scratch scratch(d_);
-  // what the fastest body may travel in an impact: it may leave it at up to twice its speed
-  const mjtNum fastest = 2 * FastestClosing(m_, d_, outlook, contacts_);
-  FindNear(m_, d_, outlook, fastest * flight_, contacts_);
+  FindNear(m_, d_, outlook, Reach(outlook), contacts_);
   const Islands islands = FindIslands(m_, d_, contacts_.contact, contacts_.due, contacts_.near,
                                       contacts_.count, scratch);
   round_end_ = m_->opt.timestep;

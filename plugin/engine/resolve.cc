@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "law/hertz_contact.h"
 #include "law/impact_law.h"
@@ -135,6 +136,16 @@ mjtNum DurationFromMoment(mjtNum impulse, mjtNum moment, mjtNum onset, mjtNum re
 }
 
 }  // namespace
+
+mjtNum EstimateContactTime(const mjModel* m, const Config& config, const mjContact& contact,
+                           mjtNum speed) {
+  mjtNum mass = std::numeric_limits<mjtNum>::infinity();
+  for (const int geom : contact.geom) {
+    const int body = m->geom_bodyid[geom];
+    if (m->body_treeid[body] >= 0) mass = std::min(mass, m->body_mass[body]);
+  }
+  return law::ContactTime(ContactStiffness(m, config, contact), mass, speed);
+}
 
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,

@@ -30,6 +30,10 @@ struct ImpactTime {
   int first;        // which contact of the island that is
 };
 
+// How long two bodies touch that close with `speed`, by the masses of the bodies alone [s].
+mjtNum EstimateContactTime(const mjModel* m, const Config& config, const mjContact& contact,
+                           mjtNum speed);
+
 // `velocity` is what the bodies have at τ when all pulses under way have been delivered (nv).
 // `impacts` has room for system.size.
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,

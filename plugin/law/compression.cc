@@ -213,6 +213,7 @@ int Integrator::ClosingAlone() const {
     const double fastest = std::max(0.0, c_[l]) + std::abs(W.value[a]) * single.impulse;
     if (l != alone && -y_[l] <= fastest * single.duration) return -1;
   }
+  if (window_.NextArrival() <= t_ + single.duration) return -1;
   for (int i = 0; i < window_.size(); ++i) {
     const int l = window_[i];
     if (l != alone && c_[l] > 0 && -y_[l] <= c_[l] * single.duration) return -1;
@@ -258,7 +259,7 @@ ImpactReport Integrator::Run() {
       break;
     }
     if (!AnyCompressed(window_, y_)) {
-      if (!FlyToNextClosing(problem_, window_, &t_, y_, c_)) break;
+      if (!FlyToNextClosing(problem_, scale_, window_, &t_, y_, c_)) break;
       MoveWindow();
       if (const int alone = ClosingAlone(); alone >= 0) {
         CollideAlone(alone);

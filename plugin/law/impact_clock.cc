@@ -6,18 +6,27 @@
 
 namespace mujoco_impact::law {
 
+namespace {
+
+// The longest flight to a next closing that still belongs to the impact.
+double LongestFlight(const ImpactProblem& problem, const ImpactScale& scale, double t) {
+  return std::max(std::min(problem.flight, problem.horizon - t), kSameImpactTimes * scale.time);
+}
+
+}  // namespace
+
 bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Window& window, double t,
             const double* y, const double* c) {
   const double y_floor = kCompressionFloor * scale.compression;
   const double c_floor = kSpeedFloor * scale.speed;
-  const double time_left = std::min(problem.flight, problem.horizon - t);
+  const double time_left = LongestFlight(problem, scale, t);
   for (int i = 0; i < window.size(); ++i) {
     const int k = window[i];
     if (y[k] > y_floor) return false;
     const bool closes_in_time = y[k] >= 0 || -y[k] < c[k] * time_left;
     if (c[k] > c_floor && closes_in_time) return false;
   }
-  return true;
+  return window.NextArrival() >= t + time_left;
 }
 
 bool AnyCompressed(const Window& window, const double* y) {
@@ -27,9 +36,10 @@ bool AnyCompressed(const Window& window, const double* y) {
   return false;
 }
 
-bool FlyToNextClosing(const ImpactProblem& problem, const Window& window, double* t, double* y,
-                      const double* c) {
-  double flight = std::min(problem.flight, problem.horizon - *t);
+bool FlyToNextClosing(const ImpactProblem& problem, const ImpactScale& scale, const Window& window,
+                      double* t, double* y, const double* c) {
+  const double longest = LongestFlight(problem, scale, *t);
+  double flight = std::min(longest, window.NextArrival() - *t);
   int next = -1;
   for (int i = 0; i < window.size(); ++i) {
     const int k = window[i];
@@ -37,9 +47,9 @@ bool FlyToNextClosing(const ImpactProblem& problem, const Window& window, double
     flight = -y[k] / c[k];
     next = k;
   }
-  if (next < 0) return false;
+  if (next < 0 && flight >= longest) return false;
   for (int i = 0; i < window.size(); ++i) y[window[i]] += flight * c[window[i]];
-  y[next] = 0;
+  if (next >= 0) y[next] = 0;
   *t += flight;
   return true;
 }

@@ -18,15 +18,21 @@ namespace mujoco_impact::law {
 constexpr double kCompressionFloor = 1e-5;
 constexpr double kSpeedFloor = 1e-6;
 
+// Contacts that close within this many contact times after a force belong to the same impact, be it
+// beyond the horizon: to cut an impact in two would cost more than the geometry that turns
+// meanwhile.
+constexpr double kSameImpactTimes = 5;
+
 // Whether every contact has opened, or will not close in time; y, c at time t.
 bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Window& window, double t,
             const double* y, const double* c);
 
 bool AnyCompressed(const Window& window, const double* y);
 
-// Flies to the next closing, no contact being compressed; false if none comes in time.
-bool FlyToNextClosing(const ImpactProblem& problem, const Window& window, double* t, double* y,
-                      const double* c);
+// Flies to the next closing, no contact being compressed; false if none comes in time. A contact
+// that closes outside the window is let in by moving the window then.
+bool FlyToNextClosing(const ImpactProblem& problem, const ImpactScale& scale, const Window& window,
+                      double* t, double* y, const double* c);
 
 // Factor for the next step after one with this error (in units of the tolerance) of a method whose
 // error is of the given order in the step; 4 or 5.

@@ -170,7 +170,8 @@ ImpactReport Integrator::Run() {
       break;
     }
     if (!AnyCompressed(window_, y_)) {
-      if (!FlyToNextClosing(problem_, window_, &t_, y_, c_)) break;
+      if (!FlyToNextClosing(problem_, scale_, window_, &t_, y_, c_)) break;
+      MoveWindow();
       h = std::min(h, first_step);
     }
     const double error = TryStep(h);

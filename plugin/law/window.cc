@@ -2,6 +2,8 @@
 
 #include "law/window.h"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace mujoco_impact::law {
@@ -16,6 +18,9 @@ constexpr int kWholeIsland = 8;
 // a trace of compression. The force of either is below 1e-9 of that of the impact.
 constexpr double kNoticeableSpeed = 1e-9;
 constexpr double kNoticeableCompression = 1e-6;
+
+// Contact times before a closing at which its contact comes in, and up to which it stays.
+constexpr double kAhead = 1, kStay = 2;
 
 }  // namespace
 
@@ -35,8 +40,47 @@ Window::Window(const ImpactProblem& problem, const ImpactSolution& solution,
     t_left_[k] = impulse_left_[k] = moment_left_[k] = 0;
     y_left_[k] = -problem.gap[k];
     c_left_[k] = problem.closing_speed[k];
-    if (whole_ || c_left_[k] > 0) member_[size_++] = k;
+    if (whole_) member_[size_++] = k;
   }
+  next_arrival_ = NextArrival();
+}
+
+double Window::Arrival(int k) const {
+  const bool closes = c_left_[k] > kNoticeableSpeed * scale_.speed;
+  return closes ? t_left_[k] - y_left_[k] / c_left_[k] : std::numeric_limits<double>::infinity();
+}
+
+double Window::NextArrival() const {
+  double next = std::numeric_limits<double>::infinity();
+  if (whole_) return next;
+  for (int k = 0; k < problem_.delassus.size; ++k) {
+    if (!IsMember(k)) next = std::min(next, Arrival(k));
+  }
+  return next;
+}
+
+bool Window::Matters(double y, double c) const {
+  if (y > kNoticeableCompression * scale_.compression) return true;
+  return c > kNoticeableSpeed * scale_.speed && -y <= kStay * scale_.time * c;
+}
+
+// Lets in the contacts that are about to close, as if they had been members before; returns how
+// many those are now.
+int Window::AdmitArrivals(int count, double t, double* y, double* c) {
+  if (t + kAhead * scale_.time < next_arrival_) return count;
+  next_arrival_ = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < problem_.delassus.size; ++k) {
+    if (seen_[k] == 2 * generation_ - 1) continue;
+    const double arrival = Arrival(k);
+    if (arrival > t + kAhead * scale_.time) {
+      next_arrival_ = std::min(next_arrival_, arrival);
+      continue;
+    }
+    Enter(k, t, y, c);
+    seen_[k] = 2 * generation_ - 1;
+    previous_[count++] = k;
+  }
+  return count;
 }
 
 void Window::NeighbourSums(int k, double* impulse, double* moment) const {
@@ -65,22 +109,20 @@ void Window::Leave(int k, double t, const double* y, const double* c) {
 
 bool Window::Move(double t, double* y, double* c, double* const* forces, int force_arrays) {
   if (whole_) return false;
-  bool entered = false;
   const DelassusMatrix& W = problem_.delassus;
-  const double y_floor = kNoticeableCompression * scale_.compression;
-  const double c_floor = kNoticeableSpeed * scale_.speed;
-  const int before = size_;
   std::swap(member_, previous_);
-  size_ = 0;
   ++generation_;
   // previous members carry an odd mark until they are taken again
-  for (int i = 0; i < before; ++i) seen_[previous_[i]] = 2 * generation_ - 1;
+  for (int i = 0; i < size_; ++i) seen_[previous_[i]] = 2 * generation_ - 1;
+  const int before = AdmitArrivals(size_, t, y, c);
+  bool entered = before > size_;
+  size_ = 0;
   for (int i = 0; i < before; ++i) {
     const int k = previous_[i];
-    if (y[k] <= y_floor && c[k] <= c_floor) continue;
+    if (!Matters(y[k], c[k])) continue;
     for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
       const int l = W.column[a];
-      if (seen_[l] == 2 * generation_) continue;
+      if (IsMember(l)) continue;
       if (seen_[l] != 2 * generation_ - 1) {
         Enter(l, t, y, c);
         entered = true;
@@ -91,8 +133,9 @@ bool Window::Move(double t, double* y, double* c, double* const* forces, int for
   }
   for (int i = 0; i < before; ++i) {
     const int k = previous_[i];
-    if (seen_[k] == 2 * generation_) continue;
+    if (IsMember(k)) continue;
     Leave(k, t, y, c);
+    next_arrival_ = std::min(next_arrival_, Arrival(k));
     for (int f = 0; f < force_arrays; ++f) forces[f][k] = 0;
   }
   return entered;

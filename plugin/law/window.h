@@ -9,8 +9,8 @@
 
 namespace mujoco_impact::law {
 
-// The contacts that are integrated: those that press or close noticeably, and their neighbours. Any
-// other contact feels nothing meanwhile, and is caught up exactly when a force comes near,
+// The contacts that are integrated: those that press or are about to close, and their neighbours.
+// Any other contact feels nothing meanwhile, and is caught up exactly when a force comes near,
 //
 //   c = c_d − Σ W (P − P_d)        y = y_d + c_d (t − t_d) − Σ W (t (P − P_d) − (M − M_d))
 //
@@ -24,6 +24,9 @@ class Window {
   int size() const { return size_; }
   int operator[](int i) const { return member_[i]; }
 
+  // When the next contact outside closes by itself; infinity if none does.
+  double NextArrival() const;
+
   // Lets contacts in and out after a step that ended at t. Clears the forces of those that leave;
   // true if any came in, whose forces and decelerations are then to be computed.
   bool Move(double t, double* y, double* c, double* const* forces, int force_arrays);
@@ -32,6 +35,10 @@ class Window {
   static constexpr int kIndexArrays = 3;
 
  private:
+  double Arrival(int k) const;
+  bool IsMember(int k) const { return seen_[k] == 2 * generation_; }
+  int AdmitArrivals(int count, double t, double* y, double* c);
+  bool Matters(double y, double c) const;
   void Enter(int k, double t, double* y, double* c);
   void Leave(int k, double t, const double* y, const double* c);
   void NeighbourSums(int k, double* impulse, double* moment) const;
@@ -43,7 +50,8 @@ class Window {
   int size_ = 0;
   int generation_ = 0;
   int *member_, *previous_;
-  int* seen_;  // by contact: 2 g if taken in generation g, 2 g − 1 if a member before
+  int* seen_;            // by contact: 2 g if taken in generation g, 2 g − 1 if a member before
+  double next_arrival_;  // not later than NextArrival()
   double *t_left_, *y_left_, *c_left_, *impulse_left_, *moment_left_;
 };
 

@@ -6,6 +6,7 @@ import os
 import re
 import shlex
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import mujoco
@@ -41,9 +42,7 @@ def snippets(*languages: str) -> list[Snippet]:
     for document in DOCUMENTS:
         text = (ROOT / document).read_text(encoding="utf-8")
         blocks = FENCE.findall(text)
-        for (language, code), (following, output) in zip(
-            blocks, [*blocks[1:], ("", "")], strict=True
-        ):
+        for (language, code), (following, output) in pairwise([*blocks, ("", "")]):
             expected = output if following == "text" else ""
             found.append(Snippet(document, language, code, expected))
     return [snippet for snippet in found if snippet.language in languages]
