@@ -10,6 +10,7 @@
 #include "engine/sensor.h"
 #include "engine/state.h"
 #include "engine/step.h"
+#include "engine/visualize.h"
 
 namespace mujoco_impact::engine {
 
@@ -76,6 +77,7 @@ void RegisterPlugin() {
   plugin.reset = Reset;
   plugin.compute = Compute;
   plugin.advance = CommitStep;
+  plugin.visualize = DrawPulses;
   mjp_registerPlugin(&plugin);
 }
 

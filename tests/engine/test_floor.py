@@ -99,6 +99,10 @@ def test_above_the_depth_it_is_ours():
     (contact,) = data.contact
     assert contact.exclude == 1
     assert data.nefc == 0
+    data.qvel[2] = -0.1
+    mujoco.mj_step(model, data)
+    assert header(model, data).count == 1
+    assert data.qvel[2] > 0
 
 
 def test_depth_and_gap_add_up_over_two_owned_geoms():

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/visualize.h"
+
+#include "engine/deliver.h"
+#include "engine/state.h"
+
+namespace mujoco_impact::engine {
+
+namespace {
+
+void DrawArrow(const mjModel* m, const mjtNum from[3], const mjtNum force[3], mjvScene* scene) {
+  if (scene->ngeom >= scene->maxgeom) return;
+  mjvGeom* arrow = scene->geoms + scene->ngeom;
+  mjv_initGeom(arrow, mjGEOM_NONE, nullptr, nullptr, nullptr, m->vis.rgba.contactforce);
+  // the scale of MuJoCo's own contact forces
+  const mjtNum scale = m->vis.map.force / m->stat.meanmass;
+  mjtNum to[3];
+  mju_addScl3(to, from, force, scale);
+  const mjtNum width = m->vis.scale.forcewidth * m->stat.meansize;
+  mjv_connector(arrow, mjGEOM_ARROW, width, from, to);
+  arrow->category = mjCAT_DECOR;
+  arrow->segid = scene->ngeom++;
+}
+
+}  // namespace
+
+void DrawPulses(const mjModel* m, mjData* d, const mjvOption* option, mjvScene* scene,
+                int instance) {
+  if (!option->flags[mjVIS_CONTACTFORCE]) return;
+  const State state(m, d, instance);
+  for (int i = 0; i < state.slots(); ++i) {
+    const Pulse& pulse = state.pulse(i);
+    const mjtNum part = pulse.delivered_next - pulse.delivered;
+    if (part <= 0) continue;
+    mjtNum from[3], force[3];
+    PulsePoint(m, d, pulse, 1, from);
+    PulseNormal(m, d, pulse, force);
+    mju_scl3(force, force, part * pulse.impulse / m->opt.timestep);
+    DrawArrow(m, from, force, scene);
+  }
+}
+
+}  // namespace mujoco_impact::engine
