@@ -22,8 +22,8 @@ ERRORS = {
 }
 """What is drawn over the run time, and its label."""
 
-SMALLEST_ERROR = 1e-9
-"""Errors below it are drawn at it: the axis is logarithmic."""
+SMALLEST_ERROR, LARGEST_ERROR = 1e-9, 2.0
+"""Errors beyond them are drawn at them: what is larger has diverged."""
 
 STYLES: dict[str, tuple[str, str]] = {
     OURS: ("crimson", "*"),
@@ -40,6 +40,10 @@ STYLES: dict[str, tuple[str, str]] = {
     "dart": ("goldenrod", "h"),
 }
 """Colour and marker of each method."""
+
+
+OUR_FACES = {"Euler": "crimson", "implicitfast": "mistyrose", "RK4": "white"}
+"""Faces of our markers by integrator."""
 
 
 def draw_charts(results: Results, folder: Path) -> tuple[Path, ...]:
@@ -104,9 +108,9 @@ def _draw_panel(
         [point.cost for point in best],
         [_shown(point, error) for point in best],
         where="post",
-        color="crimson",
-        linewidth=1.0,
-        alpha=0.6,
+        color="grey",
+        linewidth=2.5,
+        alpha=0.4,
         zorder=1,
         label="Pareto front of the simulators",
     )
@@ -121,42 +125,64 @@ def _draw_panel(
 
 
 def _draw_method(axis: Axes, points: Sequence[Point], error: str, title: str) -> None:
-    """Draws the points of one method; hollow ones have no comparable run time."""
+    """Draws the points of one method; ours by integrator, with their timesteps."""
     method = points[0].method
     colour, marker = STYLES[method]
-    ours = method == OURS
-    axis.plot(
-        [point.cost for point in points],
-        [_shown(point, error) for point in points],
-        linestyle="none",
-        color=colour,
-        marker=marker,
-        markersize=13 if ours else 7,
-        markeredgewidth=0.6 if marker not in "|+" else 2.0,
-        markeredgecolor="white" if marker not in "|+" else colour,
-        alpha=1.0 if ours else 0.8,
-        zorder=5 if ours else 3,
-        label=title,
-    )
-    if ours:
-        for point in points:
+    if method != OURS:
+        _draw_points(axis, points, error, title, color=colour, marker=marker)
+        return
+    for integrator, face in OUR_FACES.items():
+        mine = [point for point in points if point.integrator == integrator]
+        if not mine:
+            continue
+        _draw_points(
+            axis,
+            mine,
+            error,
+            f"{title}, {integrator}",
+            color=colour,
+            marker=marker,
+            markersize=13,
+            markeredgecolor="white" if face == colour else colour,
+            markerfacecolor=face,
+            linestyle="-",
+            linewidth=0.7,
+            alpha=1.0,
+            zorder=6 if face == colour else 5,
+        )
+        for point in mine if integrator == "Euler" else []:
             _name_point(axis, point, error)
 
 
+def _draw_points(
+    axis: Axes, points: Sequence[Point], error: str, label: str, **style: Any
+) -> None:
+    """Draws markers with an entry in the legend."""
+    thin = style["marker"] in "|+"
+    usual = {
+        "linestyle": "none",
+        "markersize": 7,
+        "markeredgewidth": 2.0 if thin else 0.6,
+        "markeredgecolor": style["color"] if thin else "white",
+        "alpha": 0.8,
+        "zorder": 3,
+    }
+    heights = [_shown(point, error) for point in points]
+    costs = [point.cost for point in points]
+    axis.plot(costs, heights, label=label, **(usual | style))
+
+
 def _name_point(axis: Axes, point: Point, error: str) -> None:
-    """Writes the timestep next to one of our points under Euler or RK4."""
-    if point.integrator == "implicitfast":
-        return
-    runge = point.integrator == "RK4"
+    """Writes the timestep next to one of our points."""
     axis.annotate(
-        f"{point.timestep * 1e3:g} ms" + (" RK4" if runge else ""),
+        f"{point.timestep * 1e3:g} ms",
         (point.cost, _shown(point, error)),
-        xytext=(8, 3) if runge else (-8, -9),
-        ha="left" if runge else "right",
+        xytext=(-7, -10),
+        ha="right",
         textcoords="offset points",
-        fontsize=7.5,
+        fontsize=8,
         color="crimson",
-        zorder=6,
+        zorder=7,
     )
 
 
@@ -167,4 +193,4 @@ def _drawable(point: Point, error: str) -> bool:
 
 def _shown(point: Point, error: str) -> float:
     """Returns the height at which a point is drawn."""
-    return max(float(getattr(point, error)), SMALLEST_ERROR)
+    return min(max(float(getattr(point, error)), SMALLEST_ERROR), LARGEST_ERROR)

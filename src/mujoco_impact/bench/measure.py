@@ -20,7 +20,7 @@ SHORTEST_TIMING = 5e-3
 the operating system would dominate them [s]."""
 
 
-LONG_ENOUGH = 2.0
+LONG_ENOUGH = 1.0
 """One timing that takes so long is enough: disturbances average out in it [s]."""
 
 
@@ -35,7 +35,7 @@ class Effort:
     """
 
     repeats: int = 7
-    budget: float = 0.6
+    budget: float = 0.4
     least: int = 3
 
 
