@@ -35,7 +35,8 @@ def references():
     }
 
 
-def errors(name, integrator, truth, **options) -> metrics.RowErrors:
+def errors(name, integrator, truth, **options) -> dict[str, float]:
+    """RMS over balls and time, velocities in m/s; those of the first impact over v0."""
     pattern, released = ROWS[name]
     xml = cradle_models.row(pattern, released=released, length=LENGTH)
     spec = mujoco_impact.attach(with_integrator(xml, integrator, TIMESTEP), **options)
@@ -45,36 +46,48 @@ def errors(name, integrator, truth, **options) -> metrics.RowErrors:
         # semi-implicit Euler is leapfrog: its qpos and qvel belong to times half a step
         # apart, which is no error of the impacts
         samples = metrics.euler_half_step(*samples, truth.chain, timestep=TIMESTEP)
-    return metrics.row_errors(*samples, truth)
+    found = metrics.row_errors(*samples, truth)
+    return {
+        "first impact": found.velocity,
+        "angle": found.angle_rms,
+        "velocity": velocity_error(*samples, truth),
+        "energy": abs(found.energy_drift),
+    }
+
+
+def velocity_error(times, _, velocities, truth) -> float:
+    """RMS of the velocities over balls and time [m/s], impacts left out.
+
+    In a contact the velocity of a ball changes by .9 m/s within .1 ms. A sample within
+    a step of one says on which side of it it lies, and nothing about its outcome; the
+    rest of the swing does.
+    """
+    begin, end = truth.contact_intervals.T
+    near = (times[:, None] > begin - TIMESTEP) & (times[:, None] < end + TIMESTEP)
+    free = ~near.any(axis=1) & (times <= truth.duration)
+    assert free.mean() > 0.9
+    difference = velocities[free] - truth(times[free])[1]
+    return float(LENGTH * np.sqrt(np.mean(difference**2)))
 
 
 def test_three_balls_are_within_a_millimetre_a_second(references):
-    """The promise of the package: 3 balls, 30 degrees, 3 s, 2 ms, Euler.
-
-    Samples that fall into a contact of the reference are left out: there the velocity
-    of a ball changes by .9 m/s within .1 ms, so at a step of 2 ms the sample says on
-    which side of the impact it lies, and nothing about its outcome.
-    """
+    """The promise of the package: 3 balls, 30 degrees, 3 s, 2 ms, Euler."""
     found = errors("three balls", "Euler", references["three balls"])
-    assert found.velocity_rms * LENGTH < 1e-3
+    assert found["velocity"] < 1e-3
 
 
 # Largest of the four rows, measured with MuJoCo 3.17.0, times 2. Euler (leapfrog) has
 # phase and amplitude errors of (omega h)^2 / 24 = 5e-6 a swing; RK4 has none at this
-# step, and shows what the impacts alone do: their law is solved to 1e-6.
+# step. Later impacts of five balls take up to .8 ms, and where the end of a step cuts
+# one, what was under way goes by the waveform: that makes most of the angle error.
 BOUNDS = {
     "Euler": {
-        "velocity": 1.8e-5,
-        "angle_rms": 2.5e-5,
-        "velocity_rms": 1.4e-4,
-        "energy_drift": 6e-5,
+        "first impact": 1.8e-5,
+        "angle": 7e-5,
+        "velocity": 1.2e-4,
+        "energy": 9e-5,
     },
-    "RK4": {
-        "velocity": 1e-6,
-        "angle_rms": 1.2e-5,
-        "velocity_rms": 7e-5,
-        "energy_drift": 3e-6,
-    },
+    "RK4": {"first impact": 1e-6, "angle": 6e-5, "velocity": 1e-4, "energy": 4e-5},
 }
 
 
@@ -83,7 +96,7 @@ BOUNDS = {
 def test_rows_follow_the_reference(name, integrator, references):
     found = errors(name, integrator, references[name])
     for quantity, bound in BOUNDS[integrator].items():
-        assert abs(getattr(found, quantity)) < bound, quantity
+        assert found[quantity] < bound, quantity
 
 
 @pytest.mark.parametrize("integrator", BOUNDS)
@@ -91,9 +104,30 @@ def test_another_law_would_be_noticed(integrator, references):
     """The bounds are not so wide that a loss of one per cent fits in."""
     found = errors("three balls", integrator, references["three balls"],
                    restitution=0.99)  # fmt: skip
-    assert found.velocity < 0.02
+    assert found["first impact"] < 0.02
     for quantity, bound in BOUNDS[integrator].items():
-        assert abs(getattr(found, quantity)) > 10 * bound, quantity
+        assert found[quantity] > 10 * bound, quantity
+
+
+def test_the_outcome_does_not_depend_on_where_a_step_ends():
+    """Letting go at other angles shifts every impact within its step."""
+    worst = {"first impact": 0.0, "angle": 0.0}
+    for release in (25.0, 28.0, 31.0):
+        truth = reference.pendulum_row(
+            cradle_models.balls("AAAAA"),
+            release=release,
+            length=LENGTH,
+            duration=DURATION,
+            rtol=1e-10,
+        )
+        xml = cradle_models.row("AAAAA", release=release, length=LENGTH)
+        spec = mujoco_impact.attach(with_integrator(xml, "RK4", TIMESTEP))
+        motion = mujoco_impact.run(spec, duration=DURATION, keyframe="release")
+        found = metrics.row_errors(motion.time, motion.qpos, motion.qvel, truth)
+        worst["first impact"] = max(worst["first impact"], found.velocity)
+        worst["angle"] = max(worst["angle"], found.angle_rms)
+    assert worst["first impact"] < 1e-6
+    assert worst["angle"] < 1.5e-4
 
 
 def test_energy_stays_over_twenty_seconds():

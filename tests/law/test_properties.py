@@ -82,13 +82,14 @@ def test_a_row_keeps_its_momentum_and_its_order(of, loss):
 
 
 @examples
-@given(st.one_of(rows(), networks()), st.booleans())
-def test_the_closing_speeds_are_those_of_the_impulses(of, passive):
-    solution = of.solve(passive=passive)
+@given(st.one_of(rows(), networks()), losses, st.booleans())
+def test_the_closing_speeds_are_those_of_the_impulses(of, loss, passive):
+    e, dissipation = loss
+    solution = of.solve(restitution=e, dissipation=dissipation, passive=passive)
     expected = of.closing_speed - of.delassus @ solution.impulse
-    scale = of.fastest * len(of.gap)
-    tolerance = CLOSING if passive else 100 * ROUNDING
-    assert np.abs(solution.closing_speed - expected).max() < tolerance * scale
+    assert solution.impulse.max() > 0
+    scale = np.abs(of.delassus @ solution.impulse).max() + of.fastest
+    assert np.abs(solution.closing_speed - expected).max() < ROUNDING * scale
 
 
 @examples
@@ -104,15 +105,14 @@ def test_forces_come_after_their_onset(of, loss):
 
 
 # --- symmetries: struck rows are not chaotic, so what rounding does to them stays
-# --- small; it may change the choice of steps, so what is left is the error of those.
-# --- With loss that is larger, because a contact may open anywhere within a step.
+# --- small; it may change the choice of steps, so what is left is the error of those,
+# --- 1e-6 a step.
 
 
-def symmetric(actual, expected, restitution: float) -> None:
-    tolerance = 1e-6 if restitution == 1 else 1e-3
-    np.testing.assert_allclose(
-        actual, expected, rtol=0, atol=tolerance * np.abs(expected).max()
-    )
+def symmetric(actual, expected) -> None:
+    scale = np.abs(expected).max()
+    assert scale > 0
+    np.testing.assert_allclose(actual, expected, rtol=0, atol=5e-6 * scale)
 
 
 @examples
@@ -128,7 +128,7 @@ def test_the_mirror_image_of_a_row_does_the_mirror_image(of, loss):
     options = {"restitution": e, "dissipation": dissipation}
     impulse = of.solve(**options).impulse
     mirrored = image.solve(**options).impulse[::-1]
-    symmetric(mirrored, impulse, e)
+    symmetric(mirrored, impulse)
 
 
 @examples
@@ -147,7 +147,7 @@ def test_the_order_of_the_contacts_does_not_matter(of, loss, random):
     options = {"restitution": e, "dissipation": dissipation}
     impulse = of.solve(**options).impulse
     permuted = shuffled.solve(**options).impulse
-    symmetric(permuted, impulse[order], e)
+    symmetric(permuted, impulse[order])
 
 
 @examples
@@ -163,7 +163,7 @@ def test_impulses_and_times_scale_with_speed_mass_and_stiffness(of, loss, s, wha
     options = {"restitution": e, "dissipation": dissipation}
     one, other = of.solve(**options), scaled.solve(**options)
     for name, factor in (("impulse", m * v), ("moment", m * v * length / v)):
-        symmetric(getattr(other, name), factor * getattr(one, name), e)
+        symmetric(getattr(other, name), factor * getattr(one, name))
 
 
 # --- limits
@@ -242,8 +242,8 @@ def test_long_rows_are_what_scipy_makes_of_them(case):
     of = row(masses, velocities, gap=gap)
     truth = integrate(of)
     ours = of.after(of.solve().impulse)
-    # the integrator's 1e-6 a step grows with the hundreds of steps along the row
-    assert np.abs(ours - truth).max() < 5e-5
+    # the integrator keeps its error to 1e-6 a step; what remains of it is smaller
+    assert np.abs(ours - truth).max() < 2e-6
 
 
 @pytest.mark.parametrize("gap", [0.0, 3e-6])
@@ -260,7 +260,8 @@ def test_long_viscous_rows_are_what_the_reference_makes_of_them(gap):
     K = reference.hertz_stiffness(0.015, 0.015, 2e11, 0.3)
     of = row(UNEQUAL, [1.0] + [0.0] * 11, stiffness=K, gap=gap)
     solution = of.solve(restitution=0.9, dissipation="viscous")
-    assert np.abs(of.after(solution.impulse) - truth.velocities).max() < 1e-4
+    # the force of a viscous contact jumps as it closes, which costs a digit
+    assert np.abs(of.after(solution.impulse) - truth.velocities).max() < 5e-5
 
 
 @pytest.mark.parametrize(
@@ -270,9 +271,8 @@ def test_bistiffness_rows_are_what_scipy_makes_of_them(masses, e):
     of = row(masses, [1.0] + [0.0] * (len(masses) - 1))
     truth = integrate(of, restitution=e)
     ours = of.after(of.solve(restitution=e).impulse)
-    # a contact opens anywhere within a step, which blurs the gap it leaves behind: of
-    # the order of 3e-4 in these rows, where contacts close again
-    assert np.abs(ours - truth).max() < 1e-3
+    # where contacts close again, errors of the gaps they left grow by a factor of ten
+    assert np.abs(ours - truth).max() < 1e-5
 
 
 NETWORKS = {
@@ -286,7 +286,7 @@ NETWORKS = {
 def test_stars_and_rings_are_what_scipy_makes_of_them(name):
     of = NETWORKS[name]
     ours = of.after(of.solve().impulse)
-    assert np.abs(ours - integrate(of)).max() < 2e-5
+    assert np.abs(ours - integrate(of)).max() < 2e-6
 
 
 # --- the guard

@@ -142,7 +142,7 @@ def _draw_method(axis: Axes, points: Sequence[Point], error: str, title: str) ->
             f"{title}, {integrator}",
             color=colour,
             marker=marker,
-            markersize=13,
+            markersize=9 if integrator == "implicitfast" else 13,
             markeredgecolor="white" if face == colour else colour,
             markerfacecolor=face,
             linestyle="-",
@@ -159,7 +159,7 @@ def _draw_points(
 ) -> None:
     """Draws markers with an entry in the legend."""
     thin = style["marker"] in "|+"
-    usual = {
+    usual: dict[str, Any] = {
         "linestyle": "none",
         "markersize": 7,
         "markeredgewidth": 2.0 if thin else 0.6,
