@@ -90,6 +90,17 @@ void PulseNormal(const mjModel* m, const mjData* d, const Pulse& pulse, mjtNum n
   mju_normalize3(normal);
 }
 
+mjtNum ActiveEnd(const State& state) {
+  mjtNum end = 0;
+  if (state.header().active == 0) return end;
+  for (int i = 0; i < state.slots(); ++i) {
+    const Pulse& pulse = state.pulse(i);
+    if (pulse.serial <= 0 || pulse.delivered >= 1) continue;
+    end = std::max(end, pulse.onset + pulse.duration - state.header().clock);
+  }
+  return end;
+}
+
 void DeliverActive(const mjModel* m, const mjData* d, State& state, Delivery& delivery,
                    Scratch& scratch) {
   mjtNum* row = scratch.Take<mjtNum>(m->nv);

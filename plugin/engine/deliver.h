@@ -52,6 +52,9 @@ void PulsePoint(const mjModel* m, const mjData* d, const Pulse& pulse, int side,
 // Direction of the pulse now: the line of centres of two spheres, otherwise as it was at onset.
 void PulseNormal(const mjModel* m, const mjData* d, const Pulse& pulse, mjtNum normal[3]);
 
+// When the last of the pulses under way ends, from the start of the step; 0 if there are none [s].
+mjtNum ActiveEnd(const State& state);
+
 // Adds the pulses under way and notes what they will have delivered.
 void DeliverActive(const mjModel* m, const mjData* d, State& state, Delivery& delivery,
                    Scratch& scratch);

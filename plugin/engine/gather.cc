@@ -101,10 +101,11 @@ bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum t
     for (const int tree : TreesOf(m, contact).tree) {
       if (tree >= 0) free = std::max(free, busy[tree]);
     }
-    // a body whose impact is still to come is not yet on the path that the outlook shows; one whose
-    // impact is over cannot have closed the contact before
-    if (free > outlook.start && outlook.start + tau < free) continue;
-    if (outlook.start > 0) tau = std::max(tau, std::min<mjtNum>(0, free - outlook.start));
+    // in later rounds: not before the impact that put the bodies on this path, nor long ago
+    if (outlook.start > 0 && tau < 0) {
+      if (free > outlook.start) continue;
+      tau = std::max(tau, free - outlook.start);
+    }
     gathered.tau[k] = tau;
     gathered.due[k] = any = true;
   }

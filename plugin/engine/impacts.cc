@@ -29,6 +29,9 @@ constexpr mjtNum kSameImpact = 0.1;
 // Marks of kinematic trees within a round.
 constexpr int kUntouched = 0, kAtHand = 1, kStruck = 2;
 
+// Of a step: pulses under way that end before it are taken as impulses that have come.
+constexpr mjtNum kShortPulses = 0.5;
+
 class Resolver {
  public:
   Resolver(const mjModel* m, mjData* d, int instance, State& state, Delivery& delivery,
@@ -43,7 +46,8 @@ class Resolver {
         contacts_(GatherContacts(m, d, ownership_, scratch)),
         busy_(scratch.Take<mjtNum>(m->ntree)),
         mark_(scratch.Take<int>(m->ntree)),
-        kicked_{scratch.Take<mjtNum>(m->nv), nullptr, nullptr} {
+        kicked_{scratch.Take<mjtNum>(m->nv), nullptr, nullptr},
+        owed_(scratch.Zeros(static_cast<int>(m->nv))) {
     std::fill_n(busy_, m->ntree, -m->opt.timestep);  // before any closing, late ones included
   }
 
@@ -56,6 +60,8 @@ class Resolver {
   ImpactTime FirstClosing(const Outlook& outlook, const int* position, int count) const;
   void AddImpact(const ContactRow& row, const Impact& impact);
   bool IsReached(const int* position, int count, mjtNum tau);
+  void AnchorAll();
+  void MarkPulses(mjtNum end);
   mjtNum Reach(const Outlook& outlook);
   bool WasStruck(int k) const;
   bool MoreMayClose(const Outlook& outlook);
@@ -71,9 +77,11 @@ class Resolver {
   mjtNum* busy_;   // until when each tree is taken by an impact [s from the start of the step]
   int* mark_;      // mark of each tree
   Motion kicked_;  // the path of the round with the velocity its impacts left
+  mjtNum* owed_;   // velocity that new pulses will add after this step (nv)
+  bool owes_ = false;
+  bool last_ = false;  // no further round is possible
   mjtNum flight_ = 0;
   mjtNum round_end_ = 0;  // when the first impact of the round is over
-  bool all_at_once_ = true;
 };
 
 // Delivers the part of a new pulse that belongs to this step. Without a free slot, and for an
@@ -87,11 +95,13 @@ void Resolver::AddImpact(const ContactRow& row, const Impact& impact) {
   AddRowTransposed(m_, row, share.impulse, delivery_.impulse);
   AddRowTransposed(m_, row, share.moment, delivery_.moment);
   AddRowTransposed(m_, row, SecondMoment(share), delivery_.second);
-  all_at_once_ = all_at_once_ && impact.at_once;
+  const mjtNum rest = impact.impulse - share.impulse;
+  owes_ = owes_ || rest > 0;
   for (const RowSegment& segment : row.segment) {
     if (segment.tree < 0) continue;
-    mju_addToScl(kicked_.velocity + m_->tree_dofadr[segment.tree], segment.inverse_inertia,
-                 share.impulse, m_->tree_dofnum[segment.tree]);
+    const int begin = m_->tree_dofadr[segment.tree], dofs = m_->tree_dofnum[segment.tree];
+    mju_addToScl(kicked_.velocity + begin, segment.inverse_inertia, share.impulse, dofs);
+    mju_addToScl(owed_ + begin, segment.inverse_inertia, rest, dofs);
     mark_[segment.tree] = kStruck;
   }
 }
@@ -178,7 +188,8 @@ void Resolver::ResolveRound(const Outlook& outlook) {
     const int island = order[i];
     const int* position = islands.position + islands.start[island];
     const int count = islands.start[island + 1] - islands.start[island];
-    if (i > 0 && IsReached(position, count, times[island].tau)) break;
+    const bool may_wait = i > 0 && !last_ && round_end_ < m_->opt.timestep;
+    if (may_wait && IsReached(position, count, times[island].tau)) break;
     ResolveIslandOf(outlook, times[island], position, count);
   }
 }
@@ -229,21 +240,44 @@ bool Resolver::MoreMayClose(const Outlook& outlook) {
   return any;
 }
 
+void Resolver::AnchorAll() {
+  for (int k = 0; k < contacts_.count; ++k) Anchor(m_, d_, contacts_, k);
+}
+
+// Takes the bodies of pulses under way as busy until those end.
+void Resolver::MarkPulses(mjtNum end) {
+  for (int i = 0; i < state_.slots(); ++i) {
+    const Pulse& pulse = state_.pulse(i);
+    if (pulse.serial <= 0 || pulse.delivered >= 1) continue;
+    for (const double geom : pulse.geom) {
+      const int tree = m_->body_treeid[m_->geom_bodyid[static_cast<int>(geom)]];
+      if (tree >= 0) busy_[tree] = end;
+    }
+  }
+}
+
 void Resolver::Run() {
-  const bool pulses = state_.header().active > 0;
-  Outlook outlook = LookAhead(m_, d_, delivery_, pulses, scratch_);
+  const mjtNum h = m_->opt.timestep;
+  // pulses of the last step that soon end are looked back on; longer ones bend the path
+  const mjtNum pulses_end = ActiveEnd(state_);
+  const bool bent = pulses_end > kShortPulses * h;
+  Outlook outlook = LookAhead(m_, d_, delivery_, bent, scratch_);
   const Motion start = outlook.motion;
   BodiesInStep bodies(m_, d_, start, scratch_);
-  const mjtNum h = m_->opt.timestep;
+  if (pulses_end > 0 && !bent) {
+    AnchorAll();
+    MarkPulses(pulses_end);
+    outlook = bodies.MoveTo(pulses_end, delivery_);
+  }
   for (int round = 0; round < kMaxRounds; ++round) {
     if (!FindDue(m_, d_, outlook, config_.touch, busy_, contacts_, scratch_)) return;
-    const bool last = round == kMaxRounds - 1 || pulses || !all_at_once_ || !InstantRule(config_);
-    flight_ = last ? std::numeric_limits<mjtNum>::infinity() : kSameImpact * h;
+    last_ = round == kMaxRounds - 1 || bent || !InstantRule(config_);
+    flight_ = last_ ? std::numeric_limits<mjtNum>::infinity() : kSameImpact * h;
     ResolveRound(outlook);
-    if (last || !all_at_once_ || round_end_ >= h) return;
-    if (!MoreMayClose(outlook)) return;
-    for (int k = 0; k < contacts_.count; ++k) Anchor(m_, d_, contacts_, k);
+    if (last_ || round_end_ >= h || !MoreMayClose(outlook)) return;
+    AnchorAll();
     outlook = bodies.MoveTo(round_end_, delivery_);
+    if (owes_) outlook.arrears = owed_;
   }
 }
 

@@ -20,11 +20,9 @@ Outlook LookAhead(const mjModel* m, mjData* d, const Delivery& delivery, bool pu
 mjtNum* SettledVelocity(const mjModel* m, const Outlook& outlook, mjtNum tau, Scratch& scratch) {
   mjtNum* velocity = scratch.Take<mjtNum>(m->nv);
   VelocityOnPath(m, outlook.motion, tau, velocity);
-  if (outlook.arrears) {
-    // the part that the path already has by τ is not to come again
-    mju_addTo(velocity, outlook.arrears, m->nv);
-    mju_addToScl(velocity, outlook.bend, -tau, m->nv);
-  }
+  if (outlook.arrears) mju_addTo(velocity, outlook.arrears, m->nv);
+  // the part that the path already has by τ is not to come again
+  if (outlook.bend) mju_addToScl(velocity, outlook.bend, -tau, m->nv);
   return velocity;
 }
 

@@ -24,8 +24,8 @@ namespace mujoco_impact::engine {
 struct Outlook {
   mjtNum start;     // time it begins, from the start of the step [s]
   Motion motion;    // path from there on
-  mjtNum* bend;     // acceleration by the pulses under way (nv), null if there are none
-  mjtNum* arrears;  // M⁻¹ Jᵀ of what they have yet to deliver (nv)
+  mjtNum* bend;     // acceleration by the pulses under way (nv), null if there is none
+  mjtNum* arrears;  // M⁻¹ Jᵀ of what pulses have yet to deliver (nv), null if nothing
 };
 
 // From the start of the step; `pulses` says whether any is under way.

@@ -179,16 +179,14 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   } else if (config.duration_rule == DurationRule::kHertz) {
     common = (1 + e) / 2 * law::ContactTime(problem.stiffness[first], reduced_mass, speed);
   }
-  mjtNum end = 0;
   for (int k = 0; k < system.size; ++k) {
     const mjtNum P = problem.impulse[k];
     if (P <= 0) continue;
     const mjtNum onset = timed ? problem.onset[k] : 0;
     const mjtNum W = timed ? DurationFromMoment(P, problem.moment[k], onset, e) : common;
-    impacts[k] = {P, alpha[k], tau + onset, W, problem.moment[k] + tau * P, false};
-    end = std::max(end, onset + W);
+    const bool at_once = timed && W <= time.timestep;
+    impacts[k] = {P, alpha[k], tau + onset, W, problem.moment[k] + tau * P, at_once};
   }
-  for (int k = 0; k < system.size; ++k) impacts[k].at_once = timed && end <= time.timestep;
 }
 
 }  // namespace mujoco_impact::engine

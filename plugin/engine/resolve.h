@@ -19,7 +19,7 @@ struct Impact {
   mjtNum onset;     // [s]
   mjtNum duration;  // W [s]
   mjtNum moment;    // ∫ t F dt [N s²], if the law knows it better than the waveform
-  bool at_once;     // the impact is over within a step: deliver it whole, by its moment
+  bool at_once;     // shorter than the step: deliver it whole, by its moment
 };
 
 struct ImpactTime {

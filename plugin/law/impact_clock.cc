@@ -10,7 +10,8 @@ namespace {
 
 // The longest flight to a next closing that still belongs to the impact.
 double LongestFlight(const ImpactProblem& problem, const ImpactScale& scale, double t) {
-  return std::max(std::min(problem.flight, problem.horizon - t), kSameImpactTimes * scale.time);
+  const double same_impact = kSameImpactTimes * scale.time;
+  return std::min(std::max(problem.flight, same_impact), problem.horizon + same_impact - t);
 }
 
 }  // namespace

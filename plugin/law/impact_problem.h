@@ -39,8 +39,9 @@ struct ImpactProblem {
   const double* stiffness;      // (size) K_k [N/m^1.5]
   double restitution;           // e in [0, 1]
   Dissipation dissipation;
-  double horizon;    // [s] a contact that would close later, all others open, is left alone,
-  double flight;     // [s] and so is one that would close after a longer flight
+  // [s] a contact that would close later, all others open, or after a longer flight, is left alone,
+  // but for what belongs to the same impact (impact_clock.h)
+  double horizon, flight;
   double tolerance;  // error allowed per step, relative to the speed and compression of the impact
 };
 

@@ -13,6 +13,12 @@ from mujoco_impact.errors import ConfigError
 Setting: TypeAlias = str | float | bool | Iterable[float]
 """A value of one setting: text, a number, a flag or a list of numbers."""
 
+DEFAULT_YOUNG = 2e11
+"""Young's modulus of the plugin if the setting is absent: steel [Pa]."""
+
+DEFAULT_POISSON = 0.3
+"""Poisson's ratio of the plugin if the setting is absent: steel."""
+
 SETTINGS: Mapping[str, str] = MappingProxyType(
     {
         "law": "hertz | calibrated",

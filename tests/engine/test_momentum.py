@@ -12,6 +12,7 @@ from scenes import INTEGRATORS, header
 import mujoco_impact
 
 TIMESTEP = 1e-3
+SPIN = 7.0  # about each axis [rad/s]
 
 # the same clusters in every run
 examples = settings(max_examples=12, deadline=None, derandomize=True)
@@ -76,7 +77,7 @@ def flying(cluster: Cluster, integrator: str, **options):
     model = mujoco_impact.attach(xml, **options).compile()
     data = mujoco.MjData(model)
     data.qvel.reshape(-1, 6)[:, :3] = cluster.velocity
-    data.qvel.reshape(-1, 6)[:, 3:] = 7.0  # spin, which central forces leave alone
+    data.qvel.reshape(-1, 6)[:, 3:] = SPIN  # which central forces leave alone
     return model, data
 
 
@@ -108,8 +109,11 @@ def test_elastic_balls_in_space_conserve_momentum_and_energy(integrator, cluster
     assert header(model, data).count > 0
     # rounding of forces of 1e3 N over a step
     assert np.abs(p1 - p0).max() < 1e-12 * cluster.momentum
-    # the integrator `discrete` of MuJoCo 4 finds its velocities by iteration
-    assert pytest.approx(T0, rel=1e-9 if integrator == "discrete" else 1e-12) == T1
+    # a pulse that goes on into the next step turns with the line of centres, while its
+    # impulse was decided with that of the onset: P u^2 dt/d for a slide u of 2 m/s
+    assert pytest.approx(T0, rel=5e-3) == T1
+    # spins are kept to second order in the timestep
+    assert np.abs(data.qvel.reshape(-1, 6)[:, 3:] / SPIN - 1).max() < 0.1
     # The line of centres is that of the moment the first contact closes. By the time
     # half of the impulse P has come, W/2 later, it has turned: P acts off the line by
     # the way the balls slide past each other, at up to twice the fastest speed.

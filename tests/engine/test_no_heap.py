@@ -68,5 +68,5 @@ def test_a_thousand_steps_with_impacts_allocate_nothing(tmp_path):
     counts = json.loads(result.stdout)
     for duration, (allocations, impacts) in counts.items():
         assert impacts > 10, f"{duration}: the steps counted hold no impacts"
-        # mj_step through Python itself makes a few; an allocation per step would be 1000
+        # calling mj_step makes a few; an allocation in every step would make 1000
         assert allocations < 50, f"{duration}: {allocations} allocations"
