@@ -30,7 +30,7 @@ void AddPulseRow(const mjModel* m, const mjData* d, const Pulse& pulse, mjtNum* 
     const int last = LastDof(m, point.body);
     if (last < 0) continue;
     mjtNum* segment = row + m->tree_dofadr[m->dof_treeid[last]];
-    AddRow(m, d, point, point.position, 0, normal, side == 0 ? -1 : 1, segment);
+    AddRow(m, d, point, normal, side == 0 ? -1 : 1, segment);
   }
 }
 

@@ -17,7 +17,8 @@ RowSegment MakeSegment(const mjModel* m, int tree, Scratch& scratch) {
   return {tree, scratch.Zeros(dofs), scratch.Take<mjtNum>(dofs)};
 }
 
-void FillRow(const mjModel* m, const mjData* d, mjtNum tau, ContactRow& row, Scratch& scratch) {
+void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau, ContactRow& row,
+             Scratch& scratch) {
   row.path.Normal(tau, row.normal);
   row.gap = row.path.Gap(tau);
   const ContactTrees trees = TreesOf(m, *row.contact);
@@ -30,7 +31,8 @@ void FillRow(const mjModel* m, const mjData* d, mjtNum tau, ContactRow& row, Scr
     const RowSegment& segment = row.segment[merged ? 0 : i];
     mjtNum position[3];
     row.path.SideAt(i, tau, position);
-    AddRow(m, d, row.path.side(i), position, tau, row.normal, i == 0 ? -1 : 1, segment.jacobian);
+    AddRowAt(m, d, row.path.side(i), motion, tau, position, row.normal, i == 0 ? -1 : 1,
+             segment.jacobian);
   }
   for (const RowSegment& segment : row.segment) {
     if (segment.tree < 0) continue;
@@ -142,7 +144,7 @@ IslandSystem BuildIsland(const mjModel* m, const mjData* d, Gathered& contacts, 
                                         {},
                                         0,
                                         {}};
-    FillRow(m, d, tau, *row, scratch);
+    FillRow(m, d, motion, tau, *row, scratch);
   }
   system.delassus = BuildDelassus(m, system, scratch);
   return system;

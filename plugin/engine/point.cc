@@ -69,8 +69,21 @@ void MovePoint(const PointDerivatives& derivatives, mjtNum tau, mjtNum x[3]) {
   mju_addToScl3(x, derivatives.jerk, tau * tau * tau / 6);
 }
 
-void AddRow(const mjModel* m, const mjData* d, const BodyPoint& point, const mjtNum moved[3],
-            mjtNum tau, const mjtNum normal[3], mjtNum sign, mjtNum* row) {
+void AddRow(const mjModel* m, const mjData* d, const BodyPoint& point, const mjtNum normal[3],
+            mjtNum sign, mjtNum* row) {
+  const int last = LastDof(m, point.body);
+  if (last < 0) return;
+  const int begin = m->tree_dofadr[m->dof_treeid[last]];
+  mjtNum offset[3], column[3];
+  mju_sub3(offset, point.position, d->subtree_com + 3 * m->body_rootid[point.body]);
+  for (int i = last; i >= 0; i = m->dof_parentid[i]) {
+    AxisTimes(d->cdof + 6 * i, offset, column);
+    row[i - begin] += sign * mju_dot3(normal, column);
+  }
+}
+
+void AddRowAt(const mjModel* m, const mjData* d, const BodyPoint& point, const Motion& motion,
+              mjtNum tau, const mjtNum moved[3], const mjtNum normal[3], mjtNum sign, mjtNum* row) {
   const int last = LastDof(m, point.body);
   if (last < 0) return;
   const int begin = m->tree_dofadr[m->dof_treeid[last]];
@@ -81,7 +94,18 @@ void AddRow(const mjModel* m, const mjData* d, const BodyPoint& point, const mjt
     mju_copy(axis, d->cdof + 6 * i, 6);
     AxisVelocity(m, d, i, turning);
     mju_addToScl(axis, turning, tau, 6);
-    AxisTimes(axis, offset, column);
+    if (IsFreeRotation(m, i)) {
+      // the axis goes with the body: a force through the centre of a ball must never turn it
+      BodyPoint centre{m->dof_bodyid[i], {}};
+      mju_copy3(centre.position, d->xpos + 3 * centre.body);
+      const PointDerivatives path = PointMotion(m, d, centre, motion, true);
+      MovePoint(path, tau, centre.position);
+      mjtNum arm[3];
+      mju_sub3(arm, moved, centre.position);
+      mju_cross(column, axis, arm);
+    } else {
+      AxisTimes(axis, offset, column);
+    }
     row[i - begin] += sign * mju_dot3(normal, column);
   }
 }

@@ -37,10 +37,14 @@ PointDerivatives PointMotion(const mjModel* m, const mjData* d, const BodyPoint&
 // x + velocity τ + acceleration τ²/2 + jerk τ³/6
 void MovePoint(const PointDerivatives& derivatives, mjtNum tau, mjtNum x[3]);
 
-// Adds sign · nᵀ J to `row`, the segment of the dofs of the tree of `point`: J of the point that by
-// the time τ has moved to `moved`, on axes that have turned with their bodies meanwhile.
-void AddRow(const mjModel* m, const mjData* d, const BodyPoint& point, const mjtNum moved[3],
-            mjtNum tau, const mjtNum normal[3], mjtNum sign, mjtNum* row);
+// Adds sign · nᵀ J to `row`, the segment of the dofs of the tree of `point`: J where the point is.
+void AddRow(const mjModel* m, const mjData* d, const BodyPoint& point, const mjtNum normal[3],
+            mjtNum sign, mjtNum* row);
+
+// The same at the time τ on the path of `motion`, by which the point has moved to `moved` and the
+// axes have turned and gone along with their bodies.
+void AddRowAt(const mjModel* m, const mjData* d, const BodyPoint& point, const Motion& motion,
+              mjtNum tau, const mjtNum moved[3], const mjtNum normal[3], mjtNum sign, mjtNum* row);
 
 }  // namespace mujoco_impact::engine
 

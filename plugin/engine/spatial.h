@@ -23,10 +23,14 @@ inline bool IsFreeTranslation(const mjModel* m, int dof) {
   return m->jnt_type[joint] == mjJNT_FREE && dof < m->jnt_dofadr[joint] + 3;
 }
 
+inline bool IsFreeRotation(const mjModel* m, int dof) {
+  const int joint = m->dof_jntid[dof];
+  return m->jnt_type[joint] == mjJNT_FREE && dof >= m->jnt_dofadr[joint] + 3;
+}
+
 // A rotation of a ball or free joint, whose axis turns with the body that it moves.
 inline bool TurnsWithBody(const mjModel* m, int dof) {
-  const int type = m->jnt_type[m->dof_jntid[dof]];
-  return type == mjJNT_BALL || (type == mjJNT_FREE && !IsFreeTranslation(m, dof));
+  return m->jnt_type[m->dof_jntid[dof]] == mjJNT_BALL || IsFreeRotation(m, dof);
 }
 
 }  // namespace mujoco_impact::engine
