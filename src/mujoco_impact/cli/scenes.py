@@ -1,0 +1,66 @@
+"""The scene, settings and start that a command was asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import mujoco
+
+import cradle_models
+from mujoco_impact.cli.options import START_KEYFRAME
+from mujoco_impact.errors import ConfigError, SceneError
+from mujoco_impact.ownership import owned_geoms
+from mujoco_impact.scene import attach
+from mujoco_impact.source import read_spec
+
+
+def model_path(model: str) -> Path:
+    """Returns the file of a model given by path or by shipped name."""
+    path = Path(model)
+    if path.is_file():
+        return path
+    if model in cradle_models.list_models():
+        return cradle_models.model_path(model)
+    msg = (
+        f"there is no model file {model!r} and no shipped model of that name "
+        f"(available: {', '.join(cradle_models.list_models())})"
+    )
+    raise SceneError(msg)
+
+
+def scene_of(model: str, settings: dict[str, Any], *, native: bool) -> mujoco.MjSpec:
+    """Returns the scene to run; one that has the plugin already stays as it is."""
+    spec = read_spec(model_path(model))
+    present = owned_geoms(spec)
+    if settings and (present or native):
+        reason = "it runs with --native" if native else "it has the plugin already"
+        msg = f"--set has no effect on {model!r}: {reason}"
+        raise ConfigError(msg)
+    if native or present:
+        return spec
+    return attach(spec, **settings)
+
+
+def parsed_settings(settings: list[str] | None) -> dict[str, Any]:
+    """Returns the settings given as KEY=VALUE."""
+    parsed: dict[str, Any] = {}
+    for setting in settings or []:
+        key, equals, value = setting.partition("=")
+        if not (key and equals and value):
+            msg = f"--set {setting!r}: must be KEY=VALUE, such as restitution=0.9"
+            raise ConfigError(msg)
+        parsed[key.strip()] = value.strip()
+    return parsed
+
+
+def start_keyframe(spec: mujoco.MjSpec, keyframe: str | None) -> str | int | None:
+    """Returns the keyframe to start from."""
+    names = [key.name for key in spec.keys]
+    if keyframe is None:
+        return START_KEYFRAME if START_KEYFRAME in names else None
+    if keyframe in names:
+        return keyframe
+    if keyframe == "none":
+        return None
+    return int(keyframe) if keyframe.isdecimal() else keyframe
