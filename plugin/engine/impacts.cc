@@ -151,6 +151,7 @@ void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
 // How far a body may get in an impact of this round: it may leave it at up to twice the speed of
 // the fastest closing, and fly for as long as the law counts what follows as the same impact.
 mjtNum Resolver::Reach(const Outlook& outlook) {
+  const mjtNum flight = std::min(flight_, m_->opt.timestep - outlook.start);
   mjtNum reach = 0;
   for (int k = 0; k < contacts_.count; ++k) {
     if (!contacts_.due[k]) continue;
@@ -158,7 +159,7 @@ mjtNum Resolver::Reach(const Outlook& outlook) {
     const mjtNum speed = -path.GapRate(contacts_.tau[k]);
     if (speed <= 0) continue;
     const mjtNum time = EstimateContactTime(m_, config_, d_->contact[contacts_.contact[k]], speed);
-    reach = std::max(reach, 2 * speed * std::max(flight_, law::kSameImpactTimes * time));
+    reach = std::max(reach, 2 * speed * std::max(flight, law::kSameImpactTimes * time));
   }
   return reach;
 }
