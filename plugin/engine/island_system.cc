@@ -19,7 +19,7 @@ RowSegment MakeSegment(const mjModel* m, int tree, Scratch& scratch) {
 
 void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau, ContactRow& row,
              Scratch& scratch) {
-  row.path.Normal(tau, row.normal);
+  row.normal = row.path.Normal(tau);
   row.gap = row.path.Gap(tau);
   const ContactTrees trees = TreesOf(m, *row.contact);
   const bool merged = trees.tree[0] == trees.tree[1];
@@ -29,10 +29,8 @@ void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau
   for (int i = 0; i < 2; ++i) {
     if (trees.tree[i] < 0) continue;
     const RowSegment& segment = row.segment[merged ? 0 : i];
-    mjtNum position[3];
-    row.path.SideAt(i, tau, position);
-    AddRowAt(m, d, row.path.side(i), motion, tau, position, row.normal, i == 0 ? -1 : 1,
-             segment.jacobian);
+    AddRowAt(m, d, row.path.side(i), motion, tau, row.path.SideAt(i, tau), row.normal,
+             i == 0 ? -1 : 1, segment.jacobian);
   }
   for (const RowSegment& segment : row.segment) {
     if (segment.tree < 0) continue;

@@ -28,8 +28,8 @@ struct RowSegment {
 struct ContactRow {
   const mjContact* contact;
   ContactPath path;
-  mjtNum normal[3];  // n(τ), from geom[0] to geom[1]
-  mjtNum gap;        // gap(τ) [m]
+  Vector3 normal;  // n(τ), from geom[0] to geom[1]
+  mjtNum gap;      // gap(τ) [m]
   RowSegment segment[2];
 };
 

@@ -23,6 +23,9 @@ Ownership::Ownership(const mjModel* m, int instance)
 
 int Ownership::Index(int geom) const {
   if (!geoms_) return geom;
+  // geoms that were added in a row, as most are
+  const int guess = size_ > 0 ? geom - geoms_[0] : -1;
+  if (guess >= 0 && guess < size_ && geoms_[guess] == geom) return guess;
   for (int i = 0; i < size_; ++i) {
     if (geoms_[i] == geom) return i;
   }
