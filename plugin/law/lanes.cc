@@ -116,6 +116,7 @@ void Lanes::MultiplyRows(const double* x, double* product) const {
     }
     product[i] = sum;
   }
+  if (size() < padded()) product[size()] = 0;
 }
 
 void Lanes::Finish() {
