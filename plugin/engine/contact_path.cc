@@ -94,9 +94,8 @@ void ContactPath::Normal(mjtNum tau, mjtNum normal[3]) const {
   mju_normalize3(normal);
 }
 
-mjtNum ContactPath::GapRate(mjtNum tau) const {
-  mjtNum n[3], rate[3] = {0, 0, 0};
-  Normal(tau, n);
+void ContactPath::DistanceRate(mjtNum tau, mjtNum rate[3]) const {
+  mju_zero3(rate);
   for (int i = 0; i < 2; ++i) {
     const PointDerivatives& x = of_side_[i];
     const mjtNum sign = i == 0 ? -1 : 1;
@@ -104,12 +103,35 @@ mjtNum ContactPath::GapRate(mjtNum tau) const {
     mju_addToScl3(rate, x.acceleration, sign * tau);
     mju_addToScl3(rate, x.jerk, sign * tau * tau / 2);
   }
+}
+
+mjtNum ContactPath::GapRate(mjtNum tau) const {
+  mjtNum n[3], rate[3];
+  Normal(tau, n);
+  DistanceRate(tau, rate);
   return mju_dot3(n, rate);
 }
 
+mjtNum ContactPath::NearestTime(mjtNum time) const {
+  if (!anchor_.spheres()) return time;
+  // d/dt ½ |D|² = D·D', and its derivative without the slow change of D'
+  mjtNum t = 0;
+  for (int i = 0; i < 2; ++i) {
+    mjtNum distance[3], rate[3];
+    Distance(t, distance);
+    DistanceRate(t, rate);
+    const mjtNum speed2 = mju_dot3(rate, rate);
+    if (speed2 < mjMINVAL) return time;
+    t = std::clamp<mjtNum>(t - mju_dot3(distance, rate) / speed2, 0, time);
+  }
+  return t;
+}
+
 bool ContactPath::ClosingTime(mjtNum time, mjtNum late, mjtNum touch, mjtNum* tau) const {
-  constexpr int kNewtonSteps = 6;
-  if (GapRate(0) >= 0 || Gap(time) >= -touch) return false;
+  constexpr int kNewtonSteps = 30;
+  if (GapRate(0) >= 0) return false;
+  // two balls that are apart at the end may have flown through each other
+  if (Gap(time) >= -touch && Gap(NearestTime(time)) >= -touch) return false;
   mjtNum t = 0;
   for (int i = 0; i < kNewtonSteps; ++i) {
     const mjtNum rate = GapRate(t);

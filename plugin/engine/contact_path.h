@@ -56,12 +56,16 @@ class ContactPath {
   void Normal(mjtNum tau, mjtNum normal[3]) const;
 
   // Time at which the contact closes within the `time` that is left of the step; false if it does
-  // not get deeper than `touch` by then. May be as early as −`late`: it closed unnoticed at the end
-  // of the last step, whose scan did not know the free acceleration.
+  // not get deeper than `touch` meanwhile. May be as early as −`late`: it closed unnoticed at the
+  // end of the last step, whose scan did not know the free acceleration.
   bool ClosingTime(mjtNum time, mjtNum late, mjtNum touch, mjtNum* tau) const;
 
  private:
   void Distance(mjtNum tau, mjtNum distance[3]) const;
+  void DistanceRate(mjtNum tau, mjtNum rate[3]) const;
+  // When two spheres are closest within `time`, up to the curvature of their paths; for other
+  // shapes the end.
+  mjtNum NearestTime(mjtNum time) const;
 
   const ContactAnchor& anchor_;
   BodyPoint side_[2];
