@@ -30,7 +30,7 @@ def test_an_impact_within_one_step_is_found_behind_any_distance(integrator, star
 
 
 def test_an_oblique_impact_within_one_step_has_the_normal_of_its_moment():
-    """Closest approach of half the sum of radii: the line of centres is at 30 degrees."""
+    """Passing at half the sum of radii: the line of centres is at 30 degrees."""
     model, data = free_row((0.1, 0.1), start=1.0, **SIGHT)
     data.qpos[1] = RADIUS
     mujoco.mj_step(model, data)
