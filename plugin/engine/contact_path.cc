@@ -64,22 +64,41 @@ mjtNum ContactPath::Gap(mjtNum tau) const {
 
 Vector3 ContactPath::Normal(mjtNum tau) const {
   if (!anchor_.spheres()) return anchor_.normal;
-  const Vector3 distance = SideAt(1, tau) - SideAt(0, tau);
+  const Vector3 distance = Distance(tau);
   const mjtNum length = Norm(distance);
   // concentric spheres have no line of centres
   return length < mjMINVAL ? anchor_.normal : 1 / length * distance;
 }
 
-mjtNum ContactPath::GapRate(mjtNum tau) const {
+Vector3 ContactPath::Distance(mjtNum tau) const { return SideAt(1, tau) - SideAt(0, tau); }
+
+Vector3 ContactPath::DistanceRate(mjtNum tau) const {
   const auto velocity = [tau](const PointDerivatives& x) {
     return x.velocity + tau * (x.acceleration + tau / 2 * x.jerk);
   };
-  return Dot(Normal(tau), velocity(of_side_[1]) - velocity(of_side_[0]));
+  return velocity(of_side_[1]) - velocity(of_side_[0]);
+}
+
+mjtNum ContactPath::GapRate(mjtNum tau) const { return Dot(Normal(tau), DistanceRate(tau)); }
+
+mjtNum ContactPath::NearestTime(mjtNum time) const {
+  if (!anchor_.spheres()) return time;
+  // d/dt ½ |D|² = D·D', and its derivative without the slow change of D'
+  mjtNum t = 0;
+  for (int i = 0; i < 2; ++i) {
+    const Vector3 rate = DistanceRate(t);
+    const mjtNum speed2 = Dot(rate, rate);
+    if (speed2 < mjMINVAL) return time;
+    t = std::clamp<mjtNum>(t - Dot(Distance(t), rate) / speed2, 0, time);
+  }
+  return t;
 }
 
 bool ContactPath::ClosingTime(mjtNum time, mjtNum late, mjtNum touch, mjtNum* tau) const {
-  constexpr int kNewtonSteps = 6;
-  if (GapRate(0) >= 0 || Gap(time) >= -touch) return false;
+  constexpr int kNewtonSteps = 30;
+  if (GapRate(0) >= 0) return false;
+  // two balls that are apart at the end may have flown through each other
+  if (Gap(time) >= -touch && Gap(NearestTime(time)) >= -touch) return false;
   mjtNum t = 0;
   for (int i = 0; i < kNewtonSteps; ++i) {
     const mjtNum rate = GapRate(t);

@@ -58,11 +58,17 @@ class ContactPath {
   Vector3 Normal(mjtNum tau) const;
 
   // Time at which the contact closes within the `time` that is left of the step; false if it does
-  // not get deeper than `touch` by then. May be as early as −`late`: it closed unnoticed at the end
-  // of the last step, whose scan did not know the free acceleration.
+  // not get deeper than `touch` meanwhile. May be as early as −`late`: it closed unnoticed at the
+  // end of the last step, whose scan did not know the free acceleration.
   bool ClosingTime(mjtNum time, mjtNum late, mjtNum touch, mjtNum* tau) const;
 
  private:
+  Vector3 Distance(mjtNum tau) const;
+  Vector3 DistanceRate(mjtNum tau) const;
+  // When two spheres are closest within `time`, up to the curvature of their paths; for other
+  // shapes the end.
+  mjtNum NearestTime(mjtNum time) const;
+
   const ContactAnchor& anchor_;
   BodyPoint side_[2];
   mjtNum gap_;

@@ -14,7 +14,7 @@ int TupleOf(const mjModel* m, int instance) {
 }  // namespace
 
 Ownership::Ownership(const mjModel* m, int instance)
-    : geoms_(nullptr), size_(static_cast<int>(m->ngeom)) {
+    : m_(m), instance_(instance), geoms_(nullptr), size_(static_cast<int>(m->ngeom)) {
   const int tuple = TupleOf(m, instance);
   if (tuple < 0) return;
   geoms_ = m->tuple_objid + m->tuple_adr[tuple];
@@ -30,6 +30,15 @@ int Ownership::Index(int geom) const {
     if (geoms_[i] == geom) return i;
   }
   return -1;
+}
+
+bool Ownership::Owns(const mjContact& contact) const {
+  if (!Touches(contact)) return false;
+  for (int other = 0; other < instance_; ++other) {
+    const bool ours = m_->plugin[other] == m_->plugin[instance_];
+    if (ours && Ownership(m_, other).Touches(contact)) return false;
+  }
+  return true;
 }
 
 int OwnedCapacity(const mjModel* m, int instance) {
