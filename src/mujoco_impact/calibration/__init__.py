@@ -4,8 +4,9 @@
 `read_shots` and `write_shots` are their files.
 """
 
-from mujoco_impact.calibration.calibrate import Calibration, calibrate
+from mujoco_impact.calibration.fit import FOLDS, Calibration, calibrate
 from mujoco_impact.calibration.identifiability import Identifiability, Interval, Range
+from mujoco_impact.calibration.objective import DEFAULT_KAPPA, DEFAULT_W0
 from mujoco_impact.calibration.parameters import (
     Parameters,
     read_parameters,
@@ -21,6 +22,9 @@ from mujoco_impact.calibration.synthetic import (
 )
 
 __all__ = [
+    "DEFAULT_KAPPA",
+    "DEFAULT_W0",
+    "FOLDS",
     "Calibration",
     "Camera",
     "Identifiability",

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import cradle_models
-from mujoco_impact.calibration.calibrate import calibrate
+from mujoco_impact.calibration.fit import calibrate
 from mujoco_impact.calibration.objective import DEFAULT_W0
 from mujoco_impact.calibration.synthetic import hertz_truth, synthetic_shots
 
@@ -129,7 +129,7 @@ def markdown(rows: Sequence[Coverage], *, seeds: int, seconds: float) -> str:
     each = seconds / (seeds * len(rows) / len(means))
     lines += [
         "",
-        f"Over all patterns: {', '.join(means)}. Each of these calibrations, search and",
+        f"Over all patterns: {', '.join(means)}. One calibration, search and",
         f"intervals, took {each:.1f} s in one process.",
     ]
     return "\n".join(lines) + "\n"
