@@ -21,15 +21,19 @@ from mujoco_impact.scene import attach  # noqa: E402
 from mujoco_impact.trajectory import Impact, Trajectory  # noqa: E402
 
 if TYPE_CHECKING:
-    from mujoco_impact import law, metrics, reference
+    from mujoco_impact import calibration, law, metrics, reference
+    from mujoco_impact.calibration import Calibration, calibrate
     from mujoco_impact.compare import Comparison, compare
 
 __all__ = [
+    "Calibration",
     "Comparison",
     "Impact",
     "ImpactError",
     "Trajectory",
     "attach",
+    "calibrate",
+    "calibration",
     "compare",
     "law",
     "load",
@@ -38,8 +42,13 @@ __all__ = [
     "run",
 ]
 
-_MODULES = ("law", "metrics", "reference")
-_MEMBERS = {"Comparison": "compare", "compare": "compare"}
+_MODULES = ("calibration", "law", "metrics", "reference")
+_MEMBERS = {
+    "Calibration": "calibration",
+    "Comparison": "compare",
+    "calibrate": "calibration",
+    "compare": "compare",
+}
 
 
 def __getattr__(name: str) -> Any:
@@ -49,6 +58,9 @@ def __getattr__(name: str) -> Any:
     if name in _MEMBERS:
         module = importlib.import_module(f"mujoco_impact.{_MEMBERS[name]}")
         # the function, not the module of the same name, is what users mean
-        globals().update({key: getattr(module, key) for key in _MEMBERS})
+        globals().update(
+            {key: getattr(module, key)
+             for key, home in _MEMBERS.items() if home == _MEMBERS[name]}
+        )  # fmt: skip
         return globals()[name]
     raise AttributeError(f"module 'mujoco_impact' has no attribute {name!r}")

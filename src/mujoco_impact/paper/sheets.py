@@ -1,0 +1,203 @@
+"""The results as tables of text, for the terminal and for docs/paper_results.md."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mujoco_impact.paper.patterns import RESTITUTION
+from mujoco_impact.paper.results import CONSERVED, LAWS, PaperResults, PatternResult
+
+NOTHING = "-"
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A table of text.
+
+    Attributes:
+        title: What it shows.
+        note: How to read it, a sentence or more.
+        headings: One per column.
+        rows: Cells, one row per line.
+    """
+
+    title: str
+    note: str
+    headings: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+def sheets(results: PaperResults) -> tuple[Sheet, ...]:
+    """Returns all tables."""
+    return (
+        _impulses(results),
+        _print(results),
+        _energies(results),
+        _ratios(results),
+    )
+
+
+def markdown(results: PaperResults) -> str:
+    """Returns docs/paper_results.md."""
+    lines = [
+        "# The eight patterns of the paper",
+        "",
+        "Written by `mujoco-impact paper --out docs/paper_results.md`; what it means",
+        "is told in [paper.md](paper.md).",
+    ]
+    for sheet in sheets(results):
+        lines += ["", f"## {sheet.title}", "", sheet.note, ""]
+        lines += [_line(sheet.headings), _line(["---"] * len(sheet.headings))]
+        lines += [_line(row) for row in sheet.rows]
+    return "\n".join(lines) + "\n"
+
+
+def _line(cells: Sequence[str]) -> str:
+    """Returns one line of a table."""
+    return f"| {' | '.join(cells)} |"
+
+
+def _impulses(results: PaperResults) -> Sheet:
+    """Returns m dv and P of every ball, printed and by the laws."""
+    rows = []
+    for pattern, one in results.patterns.items():
+        columns = [one.printed.change[:, 2], _printed_impulse(one)]
+        columns += [outcome.impulse for outcome in one.outcomes.values()]
+        residuals: list[Any] = [
+            [np.nan] * 3 if values is None else values
+            for values in one.residuals().values()
+        ]
+        for ball in range(3):
+            numbers = [_milli(column[ball]) for column in (*columns, *residuals)]
+            if not one.conserved:
+                numbers[0] += " !"
+            rows.append((pattern, str(ball + 1), *numbers))
+    speed = f"{results.speed:.4f} m/s"
+    return Sheet(
+        "Momentum and impulse along the row",
+        "z components in 1e-3 kg m/s. `m dv` and `P` as printed (!: these m dv do not "
+        "conserve momentum); then P by equation (6) with the parameters of table 3 "
+        "(no passivity guard), in SI and with "
+        f"kappa = 0.083, and by the law `hertz` at e = {RESTITUTION}; then |m dv - P| "
+        f"of each. Impact speed {speed}, from table 4.",
+        ("pattern", "ball", "m dv", "P", *LAWS, *(f"res. {n}" for n in ("P", *LAWS))),
+        tuple(rows),
+    )
+
+
+def _print(results: PaperResults) -> Sheet:
+    """Returns what is wrong with the printed tables."""
+    rows = []
+    for pattern, one in results.patterns.items():
+        given = one.printed
+        copied = [str(ball) for ball, copy in enumerate(given.copied, start=1) if copy]
+        values = given.evaluations()
+        again = [NOTHING] * 3
+        if values is not None:
+            again = [f"{value:.4f}" for value in values]
+            again.append(f"{values[0] / given.evaluation:.0f}")
+        rows.append(
+            (
+                pattern,
+                str(given.table),
+                f"{given.imbalance:+.1%}",
+                "yes" if one.conserved else "**no**",
+                ", ".join(copied) or "none",
+                f"{given.evaluation:.4f}",
+                *again,
+            )
+        )
+    return Sheet(
+        "What is printed",
+        "Sum of m dv_z over that of ball 1, and whether momentum is conserved (within "
+        f"{CONSERVED:.0%}). Balls whose m dv is the velocity change of table 4 times "
+        "the mass, to the last digit. The evaluation value of table 3 against that of "
+        "the printed means, as the sum of lengths and as the sum of components: a "
+        "lower bound, since the mean of lengths is not less than the length of a mean. "
+        "The P of AAB stands in a table without a caption.",
+        ("pattern", "table", "sum", "conserved", "copied balls", "evaluation",
+         "of means, lengths", "of means, components", "ratio"),
+        tuple(rows),
+    )  # fmt: skip
+
+
+def _energies(results: PaperResults) -> Sheet:
+    """Returns the kinetic energy after the impact over that before."""
+    rows = []
+    for pattern, one in results.patterns.items():
+        P = _printed_impulse(one)
+        before = 0.5 * one.printed.masses[0] * results.speed**2
+        velocity = np.array([results.speed, 0, 0]) + P / one.printed.masses
+        after = 0.5 * (one.printed.masses * velocity**2).sum()
+        cells = [_number(after / before)]
+        for name, outcome in one.outcomes.items():
+            cells.append(f"{outcome.energy:.3f}")
+            if name in one.guarded:
+                cells.append(f"{one.guarded[name]:.3f}")
+        rows.append((pattern, *cells))
+    headings = [
+        heading
+        for name, law in LAWS.items()
+        for heading in ([name] if law["law"] == "hertz" else [name, "guarded"])
+    ]
+    return Sheet(
+        "Kinetic energy after the impact over that before",
+        "Above 1: the law adds energy. `guarded`: with the passivity guard, which "
+        "every scene has unless `passive` is false.",
+        ("pattern", "P as printed", *headings),
+        tuple(rows),
+    )
+
+
+def _ratios(results: PaperResults) -> Sheet:
+    """Returns alpha_2/alpha_1 and alpha_1 S_h, printed, computed and calibrated."""
+    rows = []
+    for pattern, one in results.patterns.items():
+        ratio, height = one.interval("alpha_2/alpha_1"), one.interval("alpha_1 S_h")
+        given = one.printed.parameters
+        rows.append(
+            (
+                pattern,
+                f"{one.printed_ratio:.3f}",
+                f"{one.ratio[0]:.3f}",
+                f"{one.ratio[1]:.3f}",
+                f"{ratio.value:.3f}",
+                f"{ratio.low:.3f} to {ratio.high:.3f}",
+                f"{given.alpha[0] * given.sh:.1f}",
+                f"{height.value:.1f}",
+                f"{height.low:.1f} to {height.high:.1f}",
+            )
+        )
+    miss = np.log(
+        [one.printed_ratio / one.ratio[1] for one in results.patterns.values()]
+    )
+    return Sheet(
+        "alpha_2/alpha_1 and alpha_1 S_h",
+        "Of table 3; P_23/P_12 of the Hertz impact; and what the calibration finds on "
+        f"ten synthetic shots (Hertz, e = {RESTITUTION}, two 500 Hz cameras), with its "
+        "interval of 95 %. The printed ratios are off the Hertz impact by "
+        f"{np.sqrt((miss**2).mean()):.1%} (RMS of the logarithm, e = {RESTITUTION}).",
+        ("pattern", "printed", "Hertz, e = 1", f"Hertz, e = {RESTITUTION}",
+         "calibrated", "interval", "alpha_1 S_h printed", "calibrated", "interval"),
+        tuple(rows),
+    )  # fmt: skip
+
+
+def _printed_impulse(one: PatternResult) -> np.ndarray:
+    """Returns the printed P_z, NaN where there is none."""
+    P = one.printed.impulse
+    return np.full(3, np.nan) if P is None else P[:, 2]
+
+
+def _milli(value: float) -> str:
+    """Returns an impulse in 1e-3 kg m/s, or a dash."""
+    return _number(value * 1e3)
+
+
+def _number(value: float) -> str:
+    """Returns a number with two decimals, or a dash."""
+    return NOTHING if np.isnan(value) else f"{value:.2f}"
