@@ -121,7 +121,7 @@ ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, i
 void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, const int* position,
                                int count) {
   Scratch scratch(d_);
-  if (!scratch.Fits(IslandBytes(m_, d_, contacts_, position, count))) {
+  if (!scratch.Fits(IslandBytes(m_, d_, contacts_, position, count, scratch))) {
     mju_warning(
         "mujoco_impact.waveform: an impact of %d contacts needs more memory than mjData has left "
         "and is skipped; raise <size memory=\"...\"/> in the model",

@@ -41,7 +41,7 @@ struct IslandSystem {
 
 // Bytes of scratch that the island of the contacts at these positions takes.
 size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts, const int* position,
-                   int count);
+                   int count, Scratch& scratch);
 
 // Builds the rows at time τ on the path of `motion`.
 IslandSystem BuildIsland(const mjModel* m, const mjData* d, Gathered& contacts, const int* position,
