@@ -63,7 +63,7 @@ class Lanes {
   void Store();
   void LoadMatrix();
   void MultiplyRows(const double* x, double* product) const;
-  bool Unchanged(double t) const;
+  bool MustMove(double t) const;
 
   const ImpactProblem& problem_;
   const ImpactSolution& solution_;

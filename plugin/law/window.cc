@@ -19,9 +19,6 @@ constexpr int kWholeIsland = 8;
 constexpr double kNoticeableSpeed = 1e-3;
 constexpr double kNoticeableCompression = 1e-1;
 
-// Contact times before a closing at which its contact comes in, and up to which it stays.
-constexpr double kAhead = 1, kStay = 2;
-
 }  // namespace
 
 Window::Window(const ImpactProblem& problem, const ImpactSolution& solution,
@@ -60,13 +57,6 @@ double Window::NextArrival() const {
   }
   return next;
 }
-
-bool Window::Matters(double y, double c) const {
-  if (y > noticeable_compression_) return true;
-  return c > noticeable_speed_ && -y <= kStay * scale_.time * c;
-}
-
-bool Window::IsArrivalDue(double t) const { return t + kAhead * scale_.time >= next_arrival_; }
 
 // Lets in the contacts that are about to close, as if they had been members before; returns how
 // many those are now.

@@ -31,10 +31,13 @@ class Window {
   bool whole() const { return whole_; }
 
   // Whether a contact keeps itself and its neighbours in.
-  bool Matters(double y, double c) const;
+  bool Matters(double y, double c) const {
+    if (y > noticeable_compression_) return true;
+    return c > noticeable_speed_ && -y <= kStay * scale_.time * c;
+  }
 
   // Whether a contact outside is about to close at t.
-  bool IsArrivalDue(double t) const;
+  bool IsArrivalDue(double t) const { return t + kAhead * scale_.time >= next_arrival_; }
 
   // Lets contacts in and out after a step that ended at t, in ascending order; y and c by contact.
   void Move(double t, double* y, double* c);
@@ -43,6 +46,9 @@ class Window {
   static constexpr int kIndexArrays = 3;
 
  private:
+  // Contact times before a closing at which its contact comes in, and up to which it stays.
+  static constexpr double kAhead = 1, kStay = 2;
+
   double Arrival(int k) const;
   bool IsMember(int k) const { return seen_[k] == 2 * generation_; }
   int AdmitArrivals(int count, double t, double* y, double* c);
