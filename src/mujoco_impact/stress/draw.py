@@ -92,16 +92,14 @@ def _restitution(random: np.random.Generator, dissipation: str) -> float:
     return _logarithmic(random, least, RESTITUTION[1])
 
 
-def _features(
-    random: np.random.Generator, layout: str, joint: str
-) -> tuple[str, ...]:
+def _features(random: np.random.Generator, layout: str, joint: str) -> tuple[str, ...]:
     """Returns the extras of a scene; none in most."""
     if random.random() < 0.65:
         return ()
     possible = FEATURES if layout == "row" and joint != "free" else FEATURES[-2:]
-    chosen = random.choice(possible, size=min(len(possible), 1 + random.integers(3)),
-                           replace=False)  # fmt: skip
-    return tuple(feature for feature in FEATURES if feature in set(chosen))
+    count = min(len(possible), 1 + int(random.integers(3)))
+    chosen = {possible[i] for i in random.permutation(len(possible))[:count]}
+    return tuple(feature for feature in FEATURES if feature in chosen)
 
 
 def _steps(timestep: float, duration: float | None) -> int:

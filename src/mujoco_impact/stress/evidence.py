@@ -6,13 +6,13 @@ import dataclasses
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
 from mujoco_impact.stress.case import Case
 from mujoco_impact.stress.layouts import Balls, balls_of
 from mujoco_impact.stress.methods import OURS, model_of
 from mujoco_impact.stress.record import Record, record, run_model
 from mujoco_impact.stress.scene import mjcf
-from mujoco_impact.trajectory import Array
 
 NUDGE = 1e-6
 """Change of the start that shows how much a scene makes of small errors: that of the
@@ -55,7 +55,7 @@ class Evidence:
         return self._pair[1]
 
     @cached_property
-    def order(self) -> Array:
+    def order(self) -> npt.NDArray[np.int64]:
         """Another order of the bodies; tied joints keep the ends where they are."""
         random = np.random.default_rng((self.case.seed, 2))
         order = random.permutation(self.case.count)

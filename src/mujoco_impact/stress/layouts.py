@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable
 
 import numpy as np
+import numpy.typing as npt
 
 from mujoco_impact.stress.case import Case
 from mujoco_impact.trajectory import Array
@@ -37,7 +38,7 @@ class Balls:
     position: Array
     velocity: Array
 
-    def reordered(self, order: Array) -> Balls:
+    def reordered(self, order: npt.NDArray[np.int64]) -> Balls:
         """Returns the balls in another order."""
         return Balls(*(getattr(self, field.name)[order]
                        for field in dataclasses.fields(self)))  # fmt: skip
@@ -91,9 +92,7 @@ def _distance(case: Case, first: float, second: float) -> float:
     return touching * (1 - case.overlap) if case.overlap else touching + case.gap
 
 
-def _row(
-    case: Case, radius: Array, random: np.random.Generator
-) -> tuple[Array, Array]:
+def _row(case: Case, radius: Array, random: np.random.Generator) -> tuple[Array, Array]:
     """A straight row along x; the first ball comes in from the left."""
     position = np.zeros((case.count, 3))
     for i in range(1, case.count):
@@ -128,7 +127,7 @@ def _lattice(
     grid = np.indices((side,) * dimensions).reshape(dimensions, -1).T[: case.count - 1]
     position = np.zeros((case.count, 3))
     position[1:, :dimensions] = pitch * grid
-    target = 1 + random.integers(case.count - 1)
+    target = 1 + int(random.integers(case.count - 1))
     direction = np.array([1.0, *random.uniform(-0.3, 0.3, size=2)])
     direction /= np.linalg.norm(direction)
     position[0] = _in_front(case, radius, position, target, direction)
@@ -156,7 +155,7 @@ def _cluster(
         position[i] = place
     direction = random.normal(size=3)
     direction /= np.linalg.norm(direction)
-    target = 1 + random.integers(max(1, case.count - 1))
+    target = 1 + int(random.integers(max(1, case.count - 1)))
     position[0] = _in_front(case, radius, position, target, direction)
     return position, direction
 

@@ -26,6 +26,11 @@ SLOW = 1e-4
 step."""
 
 
+RATTLING, LIGHT = 0.7, 5.0
+"""Restitution below which, and mass ratio above which, a light ball between two heavy
+ones rattles for many contact times before they all go together."""
+
+
 @dataclasses.dataclass(frozen=True)
 class Limit:
     """One documented limit.
@@ -44,8 +49,7 @@ class Limit:
 
 
 def way_in_pulse(evidence: Evidence) -> float:
-    """Returns what the fastest ball travels while the longest pulse lasts, over the
-    smallest radius."""
+    """Returns the way of the fastest ball in the longest pulse, over a radius."""
     run = evidence.run
     if not run.impacts:
         return 0.0
@@ -111,6 +115,17 @@ def _runs_out_of_slots(evidence: Evidence) -> bool:
     return evidence.run.missed > 0
 
 
+def _rattles(evidence: Evidence) -> bool:
+    """Whether light balls may rattle between heavy ones until they all go together."""
+    case = evidence.case
+    mass = evidence.run.balls.mass
+    return (
+        case.count > 2
+        and case.restitution < RATTLING
+        and float(mass.max() / mass.min()) > LIGHT
+    )
+
+
 _ENERGY = frozenset({"energy growth", "elastic energy"})
 _SYMMETRY = frozenset({"permutation", "mirror"})
 _SHAPE = frozenset({"no passing"})
@@ -125,21 +140,21 @@ LIMITS = (
     Limit(
         "starts deep",
         "balls overlap at the start by more than the depth M: contacts are MuJoCo's",
-        _ENERGY | _SYMMETRY | _SHAPE,
+        frozenset({"momentum"}) | _ENERGY | _SYMMETRY | _SHAPE,
         _starts_deep,
     ),
     Limit(
         "presses deep",
         "balls travel more than 0.3 radii while a pulse lasts: too soft or too fast "
         "for a Hertz contact, or a fixed duration too long",
-        _ENERGY | _SYMMETRY | _SHAPE,
+        frozenset({"momentum"}) | _ENERGY | _SYMMETRY | _SHAPE,
         _presses_deep,
     ),
     Limit(
         "handed over",
         "balls overlap by more than the depth M while a pulse lasts, and MuJoCo's "
         "contact takes over",
-        _ENERGY | _SYMMETRY | _SHAPE,
+        frozenset({"momentum"}) | _ENERGY | _SYMMETRY | _SHAPE,
         _is_handed_over,
     ),
     Limit(
@@ -154,6 +169,13 @@ LIMITS = (
         "lasts, or in a step: the law leaves them out",
         _ENERGY,
         _is_pulled,
+    ),
+    Limit(
+        "rattling",
+        "a light ball with losses between heavy ones (e < 0.7, masses 1:5 and more) "
+        "bounces until all go together, for up to 100 contact times and more",
+        frozenset({"pulse length"}),
+        _rattles,
     ),
     Limit(
         "out of slots",

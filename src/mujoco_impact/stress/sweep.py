@@ -15,7 +15,7 @@ from mujoco_impact.stress.limits import limit_of
 from mujoco_impact.stress.methods import METHODS, OURS
 
 SYMMETRIES = ("permutation", "mirror")
-"""Judged for us only: MuJoCo's solver stops at a tolerance that depends on the order."""
+"""Judged for us only: MuJoCo's solver stops at a tolerance, which depends on order."""
 
 
 @dataclasses.dataclass(frozen=True)
