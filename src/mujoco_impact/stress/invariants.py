@@ -77,8 +77,7 @@ def energy_growth(evidence: Evidence) -> float | None:
     if not evidence.case.is_free or not is_sound(evidence.run):
         return None
     kinetic = _kinetic(evidence.run)
-    counted = evidence.run.quiet | (evidence.method != OURS)
-    quiet = kinetic[counted]
+    quiet = kinetic[evidence.run.quiet] if evidence.method == OURS else kinetic
     if len(quiet) < 2:
         return None
     return float(max(0.0, np.diff(quiet).max()) / kinetic[0])
