@@ -94,9 +94,15 @@ mjtNum ContactPath::NearestTime(mjtNum time) const {
   return t;
 }
 
+bool ContactPath::Closes(mjtNum time, mjtNum touch) const {
+  constexpr mjtNum kNoDeeper = 1e-6;
+  const mjtNum rate = GapRate(0);
+  return rate < 0 && (gap_ >= -touch || -rate * time > kNoDeeper * touch);
+}
+
 bool ContactPath::ClosingTime(mjtNum time, mjtNum late, mjtNum touch, mjtNum* tau) const {
   constexpr int kNewtonSteps = 30;
-  if (GapRate(0) >= 0) return false;
+  if (!Closes(time, touch)) return false;
   // two balls that are apart at the end may have flown through each other
   if (Gap(time) >= -touch && Gap(NearestTime(time)) >= -touch) return false;
   mjtNum t = 0;

@@ -57,6 +57,11 @@ class ContactPath {
   mjtNum GapRate(mjtNum tau) const;
   Vector3 Normal(mjtNum tau) const;
 
+  // Whether the contact closes at the start. One that overlaps must get deeper by a part of `touch`
+  // within `time`: a plastic impact leaves the rounding of a common speed, and to call that an
+  // impact would begin a pulse without an impulse, and one that lasts, for W ~ u^(-1/5).
+  bool Closes(mjtNum time, mjtNum touch) const;
+
   // Time at which the contact closes within the `time` that is left of the step; false if it does
   // not get deeper than `touch` meanwhile. May be as early as −`late`: it closed unnoticed at the
   // end of the last step, whose scan did not know the free acceleration.

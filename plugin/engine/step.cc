@@ -31,6 +31,7 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
     ApplyHeldForce(m, d, state);
     return;
   }
+  if (state.header().active > 0 || state.header().pending != 0) state.ResetUnlessSound(m, instance);
   OpenStage(m, d, state);
   DiscardPending(state);
   const bool pulses = state.header().active > 0;

@@ -10,6 +10,7 @@ from mujoco_impact.cli.compare import compare, demo
 from mujoco_impact.cli.doctor import doctor
 from mujoco_impact.cli.paper import force_sensor, paper
 from mujoco_impact.cli.run import run
+from mujoco_impact.cli.stress import stress
 
 app = typer.Typer(
     name="mujoco-impact",
@@ -30,6 +31,7 @@ for command in (
     paper,
     force_sensor,
     bench,
+    stress,
     doctor,
 ):
     app.command()(command)
