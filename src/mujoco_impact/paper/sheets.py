@@ -9,6 +9,12 @@ from typing import Any
 import numpy as np
 
 from mujoco_impact.paper.patterns import RESTITUTION
+from mujoco_impact.paper.readings import (
+    KAPPAS,
+    best_kappa,
+    first_contact,
+    second_contact,
+)
 from mujoco_impact.paper.results import CONSERVED, LAWS, PaperResults, PatternResult
 
 NOTHING = "-"
@@ -40,6 +46,8 @@ def sheets(results: PaperResults) -> tuple[Sheet, ...]:
         _energies(results),
         _ratios(results),
         _heights(results),
+        _first_contact(),
+        _second_contact(),
     )
 
 
@@ -214,6 +222,37 @@ def _heights(results: PaperResults) -> Sheet:
         "finds.",
         ("pattern", "printed", f"e = {RESTITUTION}", "calibrated", "interval"),
         tuple(rows),
+    )
+
+
+def _first_contact() -> Sheet:
+    """Returns how well units of S_w explain the first contact."""
+    best = best_kappa()
+    readings = [first_contact(kappa) for kappa in KAPPAS]
+    rows = [
+        (f"{one.kappa:g}", f"{one.area:.3f}", f"{one.miss:.1%}") for one in readings
+    ]
+    rows.append((f"{best.kappa:.3f} (best)", f"{best.area:.3f}", f"{best.miss:.1%}"))
+    return Sheet(
+        "Unit of S_w, and area of the waveform",
+        "How far the P_12 of equation (6) with table 3 is from that of the Hertz "
+        f"impact (e = {RESTITUTION}), RMS of the logarithm over the eight patterns, "
+        "with the one area of the waveform of unit height and duration that fits best: "
+        "half sine 0.637, parabola 0.667, triangle 0.5, rectangle 1.",
+        ("kappa", "area", "off by"),
+        tuple(rows),
+    )
+
+
+def _second_contact() -> Sheet:
+    """Returns how well momenta explain the second contact."""
+    return Sheet(
+        "What feeds the second contact",
+        "How far P_23/P_12 by equation (6) with table 3 is from the five printed P "
+        "tables, RMS of the logarithm, for several momenta in the waveform of contact "
+        "2.",
+        ("momentum", "off by"),
+        tuple((one.feed, f"{one.miss:.0%}") for one in second_contact()),
     )
 
 
