@@ -18,7 +18,8 @@ from mujoco_impact.cli import app
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = ("README.md", "plugin/README.md", "cradle_models/README.md",
-             "docs/design.md", "CONTRIBUTING.md")  # fmt: skip
+             "docs/design.md", "docs/paper.md", "docs/paper_results.md",
+             "docs/calibration_coverage.md", "CONTRIBUTING.md")  # fmt: skip
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#\s]+)(#[^)\s]*)?\)")
 

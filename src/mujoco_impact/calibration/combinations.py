@@ -25,7 +25,7 @@ SMALLEST_RESIDUAL = 1e-7
 would weigh without bound."""
 
 RIDGE = 1e-9
-"""Relative; keeps b in place where shots of one speed cannot tell it from a."""
+"""Relative, on the last unknown; keeps b where shots of one speed do not tell it."""
 
 
 @dataclass(frozen=True)
@@ -74,9 +74,9 @@ class Refit:
         a = np.tile(self.a, (fits, 1))
         b = np.full(fits, self.b) if fixed_b is None else np.array(fixed_b)
         for _ in range(MOST_ITERATIONS):
-            step_a, step_b = self._step(weights, mu_s, mu_d, a, b, fixed_b is not None)
-            a, b = a + step_a, b + step_b
-            change = np.abs(step_a).max(axis=1) / np.abs(a).max(axis=1)
+            before = a
+            a, b = self._step(weights, mu_s, mu_d, a, b, fixed_b is not None)
+            change = np.abs(a - before).max(axis=1) / np.abs(a).max(axis=1)
             if (change < SETTLED).all():
                 break
         residual = self._residuals(a, b, mu_s, mu_d)
@@ -100,33 +100,47 @@ class Refit:
         Q = self.objective.friction(P, mu_s, mu_d)
         return self.objective.momentum_change - self.objective.on_balls(P, Q)
 
-    def _slopes(self, a: Array, b: Array) -> Array:
-        """Returns dP/d(a, b), shape (fits, contacts + 1, shots, balls, 3)."""
-        contacts = a.shape[1]
-        unit = np.eye(contacts)[:, np.newaxis, :]
-        shots = len(self.objective.momentum)
-        unit = np.broadcast_to(unit, (contacts, shots, contacts))
-        on_balls = self.objective.on_balls(unit, np.zeros_like(unit))
-        by_a = self._width(b)[:, np.newaxis, :, np.newaxis, np.newaxis] * on_balls
-        by_b = 2 / np.pi * np.einsum("fk,ksnx->fsnx", a, on_balls)
-        return np.concatenate((by_a, by_b[:, np.newaxis]), axis=1)
+    def _unit_impulses(self) -> Array:
+        """Returns what P_k = 1 does to the balls, (contacts, shots, balls, 3)."""
+        contacts = len(self.a)
+        shape = (contacts, len(self.objective.momentum), contacts)
+        unit = np.broadcast_to(np.eye(contacts)[:, np.newaxis, :], shape)
+        return self.objective.on_balls(unit, np.zeros(shape))
 
     def _step(
         self, weights: Array, mu_s: Array, mu_d: Array, a: Array, b: Array, hold: bool
     ) -> tuple[Array, Array]:
-        """Returns one step of least squares weighted by 1/|residual|, in bounds."""
+        """Returns the next (a, b) of least squares weighted by 1/|residual|."""
         residual = self._residuals(a, b, mu_s, mu_d)
         smallest = SMALLEST_RESIDUAL * self.objective.momentum.mean()
         length = np.maximum(np.linalg.norm(residual, axis=-1), smallest)
-        slopes = self._slopes(a, b)
-        weighted = slopes * (weights[:, :, np.newaxis] / length)[:, None, ..., None]
-        matrix = np.einsum("fisnx,fjsnx->fij", weighted, slopes)
-        right = np.einsum("fisnx,fsnx->fi", weighted, residual)
-        matrix[:, -1, -1] *= 1 + RIDGE
-        step_b = np.zeros(len(b))
+        weight = weights[:, :, np.newaxis] / length
+        unit = self._unit_impulses()
+        impulse = np.einsum("fk,ksnx->fsnx", a, unit)
+        width = self._width(b)[:, :, np.newaxis, np.newaxis]
         if not hold:
-            free = np.linalg.solve(matrix, right[..., np.newaxis])[:, -1, 0]
-            step_b = np.clip(b + free, *self.bounds) - b
-        right_a = right[:, :-1] - matrix[:, :-1, -1] * step_b[:, np.newaxis]
-        step_a = np.linalg.solve(matrix[:, :-1, :-1], right_a[..., np.newaxis])
-        return step_a[..., 0], step_b
+            by_a = width[:, np.newaxis] * unit
+            slopes = np.concatenate((by_a, 2 / np.pi * impulse[:, np.newaxis]), axis=1)
+            step = _least_squares(slopes, residual, weight)[:, -1]
+            b = np.clip(b + step, *self.bounds)
+        # what is left for the normal impulses, friction as it was; linear in a
+        rest = residual + width * impulse
+        slopes = self._width(b)[:, np.newaxis, :, np.newaxis, np.newaxis] * unit
+        return _least_squares(slopes, rest, weight), b
+
+
+def _least_squares(slopes: Array, right: Array, weight: Array) -> Array:
+    """Returns x that makes the weighted |right - slopes x|^2 least, (fits, unknowns).
+
+    Args:
+        slopes: Shape (fits, unknowns, shots, balls, 3).
+        right: Shape (fits, shots, balls, 3).
+        weight: Shape (fits, shots, balls).
+    """
+    weighted = slopes * weight[:, np.newaxis, ..., np.newaxis]
+    matrix = np.einsum("fisnx,fjsnx->fij", weighted, slopes)
+    vector = np.einsum("fisnx,fsnx->fi", weighted, right)
+    last = matrix.shape[1] - 1
+    matrix[:, last, last] *= 1 + RIDGE
+    solution: Array = np.linalg.solve(matrix, vector[..., np.newaxis])[..., 0]
+    return solution

@@ -9,6 +9,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -138,7 +139,7 @@ class _Study:
         shots = self._objective.shots.count
         # resampling n shots spreads by (n - 1)/n of the variance of the estimate
         widening = float(student.ppf((1 + LEVEL) / 2, shots - 1))
-        widening *= np.sqrt(shots / (shots - 1))
+        widening *= math.sqrt(shots / (shots - 1))
         at_found = self._quantities(*self._on_grid())
         spread = self._quantities(resampled.a, resampled.b)
         intervals = []

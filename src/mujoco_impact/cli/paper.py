@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 from rich.table import Table
@@ -29,12 +29,14 @@ def paper(
             out.write_text(sheets.markdown(found), encoding="utf-8")
         console = console_of(json_file)
         for sheet in sheets.sheets(found):
-            table = Table(title=sheet.title, caption=sheet.note, box=None)
+            table = Table(title=sheet.title, box=None)
             for number, heading in enumerate(sheet.headings):
-                table.add_column(heading, justify="right" if number else "left")
+                side: Literal["left", "right"] = "right" if number else "left"
+                table.add_column(heading, justify=side, no_wrap=True)
             for row in sheet.rows:
                 table.add_row(*(cell.replace("**", "") for cell in row))
             console.print(table)
+            console.print(sheet.note, style="dim")
             console.print()
         if out is not None:
             console.out(f"written: {out}")

@@ -21,9 +21,9 @@ from mujoco_impact.paper.patterns import RESTITUTION, Outcome, drop_speed, run_p
 from mujoco_impact.paper.printed import Printed, printed
 
 LAWS: dict[str, dict[str, Any]] = {
-    "eq. (6), SI": {"law": "calibrated", "kappa": 1.0},
-    "eq. (6), kappa .083": {"law": "calibrated"},
-    f"hertz, e = {RESTITUTION}": {"law": "hertz", "restitution": RESTITUTION},
+    "(6), SI": {"law": "calibrated", "kappa": 1.0},
+    "(6), .083": {"law": "calibrated"},
+    "hertz": {"law": "hertz", "restitution": RESTITUTION},
 }
 """The laws that are compared, and their settings; (6) takes those of table 3, too."""
 
@@ -44,6 +44,7 @@ class PatternResult:
         guarded: Energy after over before with the guard, of each reading of (6).
         calibration: Of ten synthetic shots of this pattern, filmed.
         ratio: P_23/P_12 of the Hertz impact, by restitution: 1 and `RESTITUTION`.
+        share: P_12/p of the Hertz impact with `RESTITUTION`.
     """
 
     printed: Printed
@@ -51,6 +52,7 @@ class PatternResult:
     guarded: dict[str, float]
     calibration: Calibration
     ratio: tuple[float, float]
+    share: float
 
     @property
     def conserved(self) -> bool:
@@ -171,4 +173,5 @@ def pattern_result(pattern: str, speed: float) -> PatternResult:
         guarded=guarded,
         calibration=calibrate(shots, folds=0),
         ratio=(shares[0][1] / shares[0][0], shares[1][1] / shares[1][0]),
+        share=float(shares[1][0]),
     )
