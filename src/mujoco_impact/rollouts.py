@@ -202,7 +202,7 @@ def _failure(
     row = int(np.argmin(going.all(axis=1)))
     last = float(time[row, int(np.argmin(going[row]))])
     return SimulationError(
-        f"MuJoCo gave a warning in simulation {first + row} at {last:.6g} s: "
+        f"MuJoCo gave a warning in simulation {first + row} by {last:.6g} s: "
         f"{message.strip()}",
         time=last,
     )
