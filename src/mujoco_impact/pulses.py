@@ -12,6 +12,7 @@ until that is needed again.
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import mujoco
 import numpy as np
@@ -97,9 +98,18 @@ def plugin_instances(model: mujoco.MjModel) -> list[int]:
     """Returns the ids of the instances of our plugin in a model."""
     if model.nplugin == 0:
         return []
-    # a model holds only the registration number of a plugin, not its name
-    number = mujoco.MjModel.from_xml_string(_PROBE).plugin[0]
-    return [int(instance) for instance in np.flatnonzero(model.plugin == number)]
+    return [
+        int(instance) for instance in np.flatnonzero(model.plugin == plugin_number())
+    ]
+
+
+@cache
+def plugin_number() -> int:
+    """Returns the number under which our plugin is registered in this process.
+
+    A model holds only the registration number of a plugin, not its name.
+    """
+    return int(mujoco.MjModel.from_xml_string(_PROBE).plugin[0])
 
 
 def geom_name(model: mujoco.MjModel, geom: int) -> str:

@@ -1,0 +1,124 @@
+"""Our contacts for PyMJCF models. Importing this module needs dm_control."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import mujoco
+
+from mujoco_impact._plugin import PLUGIN_NAME
+from mujoco_impact.envs.extras import require
+from mujoco_impact.errors import SceneError
+from mujoco_impact.scene import attach
+from mujoco_impact.settings import Setting, attributes
+from mujoco_impact.source import one_line
+
+mjcf: Any = require("dm_control.mjcf")
+
+
+def attach_mjcf(
+    root: Any,
+    *,
+    geoms: Iterable[Any] | None = None,
+    name: str = "impact",
+    gap: float | None = None,
+    depth: float | None = None,
+    **settings: Setting,
+) -> Any:
+    """Gives the impacts of a PyMJCF model to the plugin, in place.
+
+    Does what `mujoco_impact.attach` does to an `MjSpec`. The model may be attached to
+    others afterwards; what depends on the scene (the default gap on timestep and
+    gravity) is taken from the model as it is now.
+
+    Args:
+        root: The model (`dm_control.mjcf.RootElement`).
+        geoms: Geoms to own, as elements or full identifiers; by default every geom
+            that can collide of every body that can move.
+        name: Name of the plugin instance, the tuple and the sensor.
+        gap: See `mujoco_impact.attach`.
+        depth: See `mujoco_impact.attach`.
+        **settings: Settings of the impact law.
+
+    Returns:
+        The PyMJCF element of the sensor, for `physics.bind`.
+
+    Raises:
+        SceneError: If the model cannot be compiled, or cannot take the plugin.
+        ConfigError: If a setting, the gap or the depth is not valid.
+    """
+    _name_geoms(root)
+    wanted = None if geoms is None else [_identifier(geom) for geom in geoms]
+    spec = attach(
+        _specification(root), geoms=wanted, name=name, gap=gap, depth=depth, **settings
+    )
+    owned = {
+        geom: root.find("geom", geom)
+        for element in spec.tuples
+        if element.name == name
+        for geom in element.objname
+    }
+    _take_margins(root, spec, set(owned))
+    _add_instance(root, name, attributes(settings))
+    members = root.custom.add("tuple", name=name)
+    for geom in owned.values():
+        members.add("element", objtype="geom", objname=geom, prm=1.0)
+    return root.sensor.add("plugin", name=name, plugin=PLUGIN_NAME, instance=name)
+
+
+def _identifier(geom: Any) -> str:
+    """Returns the full identifier of a geom given as an element or by that."""
+    return geom if isinstance(geom, str) else str(geom.full_identifier)
+
+
+def _name_geoms(root: Any) -> None:
+    """Gives each unnamed geom a name that is not in use, as the tuple needs one."""
+    geoms = root.find_all("geom")
+    taken = {geom.full_identifier for geom in geoms if geom.name}
+    for number, geom in enumerate(geom for geom in geoms if not geom.name):
+        stem = f"geom{number}"
+        while _scoped(geom, stem) in taken:
+            stem += "_"
+        geom.name = stem
+        taken.add(geom.full_identifier)
+
+
+def _scoped(geom: Any, name: str) -> str:
+    """Returns the full identifier that a geom would have under a name."""
+    prefix = geom.root.full_identifier
+    return f"{prefix}{name}" if prefix else name
+
+
+def _specification(root: Any) -> mujoco.MjSpec:
+    """Returns the model as MuJoCo reads it."""
+    try:
+        return mujoco.MjSpec.from_string(
+            root.to_xml_string(), assets=dict(root.get_assets())
+        )
+    except (ValueError, mujoco.FatalError) as error:
+        msg = f"MuJoCo cannot read the PyMJCF model: {one_line(error)}"
+        raise SceneError(msg) from error
+
+
+def _take_margins(root: Any, spec: mujoco.MjSpec, owned: set[str]) -> None:
+    """Copies the margins that `attach` found to the PyMJCF elements."""
+    for geom in spec.geoms:
+        if geom.name in owned:
+            element = root.find("geom", geom.name)
+            element.margin, element.gap = geom.margin, geom.gap
+    pairs = {(pair.geomname1, pair.geomname2): pair for pair in spec.pairs}
+    for element in root.find_all("contact"):
+        if element.tag != "pair":
+            continue
+        names = (element.geom1.full_identifier, element.geom2.full_identifier)
+        if owned & set(names):
+            element.margin, element.gap = pairs[names].margin, pairs[names].gap
+
+
+def _add_instance(root: Any, name: str, config: dict[str, str]) -> None:
+    """Adds the plugin instance with its settings."""
+    plugin = root.extension.add("plugin", plugin=PLUGIN_NAME)
+    instance = plugin.add("instance", name=name)
+    for key, value in config.items():
+        instance.add("config", key=key, value=value)

@@ -1,0 +1,76 @@
+"""Reading the plugin's sensor: what impacts do to each owned geom.
+
+Seven numbers per owned geom, in the order of the tuple: force in the world frame,
+averaged over the step (3) [N]; impulse of the current or last impact [N s]; its peak
+force [N]; its alpha [-]; impacts since reset. All but the force stay until the next
+impact, so they survive a controller that looks only every so many steps. As for every
+MuJoCo sensor, the values after `mj_step` are of the state that the step started from.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+
+from mujoco_impact.errors import SceneError
+from mujoco_impact.trajectory import Array
+
+NUMBERS_PER_GEOM = 7
+
+
+@dataclass(frozen=True, eq=False)
+class SensorReading:
+    """One reading for n owned geoms, as copies.
+
+    Attributes:
+        force: Force on the geom, world frame [N], shape (n, 3).
+        impulse: Impulse of its current or last impact [N s], shape (n,).
+        peak: Peak force of that impact [N], shape (n,).
+        alpha: Its alpha [-], shape (n,).
+        count: Impacts since reset, shape (n,).
+    """
+
+    force: Array
+    impulse: Array
+    peak: Array
+    alpha: Array
+    count: Array
+
+
+def read_sensor(values: Array) -> SensorReading:
+    """Returns the reading in the numbers of one sensor, shape (7 n,) or (n, 7)."""
+    table = values.reshape(-1, NUMBERS_PER_GEOM)
+    return SensorReading(
+        force=table[:, :3].copy(),
+        impulse=table[:, 3].copy(),
+        peak=table[:, 4].copy(),
+        alpha=table[:, 5].copy(),
+        count=table[:, 6].copy(),
+    )
+
+
+def sensor_slice(model: Any, name: str = "impact") -> slice:
+    """Returns where the sensor of an instance lies in `mjData.sensordata`.
+
+    The plugin leaves room for the elements of all tuples of the model; the slice
+    holds the geoms that are owned.
+
+    Args:
+        model: The model (`mujoco.MjModel`).
+        name: Name of the sensor and the tuple, as given to `attach`.
+
+    Raises:
+        SceneError: If the model has no such sensor of the plugin.
+    """
+    sensor = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, name)
+    if sensor < 0 or model.sensor_type[sensor] != mujoco.mjtSensor.mjSENS_PLUGIN:
+        msg = f"the model has no plugin sensor {name!r}: make it with attach()"
+        raise SceneError(msg)
+    start = int(model.sensor_adr[sensor])
+    numbers = int(model.sensor_dim[sensor])
+    owned = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TUPLE, name)
+    if owned >= 0:
+        numbers = NUMBERS_PER_GEOM * int(model.tuple_size[owned])
+    return slice(start, start + numbers)

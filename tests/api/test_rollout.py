@@ -1,0 +1,143 @@
+"""`rollout`: the same bits as single steps, on any number of threads."""
+
+import mujoco
+import numpy as np
+import pytest
+
+import cradle_models
+import mujoco_impact
+from mujoco_impact.errors import SceneError, SimulationError
+from mujoco_impact.rollouts import STATE, initial_states
+
+STEPS = 250
+
+
+@pytest.fixture(scope="module")
+def model():
+    spec = mujoco_impact.attach(cradle_models.row("AAA"), restitution=0.9)
+    motor = spec.add_actuator(name="motor", target="hinge_1")
+    motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
+    return spec.compile()
+
+
+def starts(count):
+    """Cradles let go at different angles, so that threads meet different impacts."""
+    qpos = np.zeros((count, 3))
+    qpos[:, 0] = -np.linspace(0.1, 0.6, count)
+    return qpos
+
+
+def stepped(model, qpos, control):
+    """One simulation by single steps: samples of position and sensors, last state."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = qpos
+    positions, sensors = [], []
+    for values in control:
+        data.ctrl[:] = values
+        mujoco.mj_step(model, data)
+        positions.append(data.qpos.copy())
+        sensors.append(data.sensordata.copy())
+    state = np.empty(mujoco.mj_stateSize(model, STATE))
+    mujoco.mj_getState(model, data, state, STATE)
+    return np.array(positions), np.array(sensors), state
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_it_is_stepping_one_by_one_bit_for_bit(model, threads, monkeypatch):
+    # parts of two simulations each, so that threads and parts are crossed
+    monkeypatch.setattr("mujoco_impact.rollouts.CHUNK_BYTES", 1.0)
+    qpos = starts(7)
+    control = np.random.default_rng(0).uniform(-0.05, 0.05, (7, STEPS, 1))
+    found = mujoco_impact.rollout(
+        model,
+        duration=STEPS * 0.002,
+        qpos=qpos,
+        control=control,
+        every=5,
+        threads=threads,
+    )
+    assert found.qpos.shape == (7, 50, 3)
+    for index in range(7):
+        positions, sensors, state = stepped(model, qpos[index], control[index])
+        np.testing.assert_array_equal(found.qpos[index], positions[4::5])
+        np.testing.assert_array_equal(found.sensordata[index], sensors[4::5])
+        np.testing.assert_array_equal(found.final_state[index], state)
+        assert sensors[-1, 6] >= 1, "ball 1 has had an impact"
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_mujoco_batch_is_stepping_one_by_one_bit_for_bit(model, threads):
+    """MuJoCo 4 has `mujoco.batch`, which keeps one MjData for each thread."""
+    batch = pytest.importorskip("mujoco.batch")
+    qpos = starts(5)
+    simulations = batch.Batch(model, nsim=5, nthread=threads)
+    simulations.qpos = qpos
+    for _ in range(STEPS):
+        simulations.step()
+    for index in range(5):
+        positions, _, state = stepped(model, qpos[index], np.zeros((STEPS, 1)))
+        np.testing.assert_array_equal(simulations.qpos[index], positions[-1])
+        numbers = simulations.plugin_state[index]
+        np.testing.assert_array_equal(numbers, state[-len(numbers) :])
+
+
+def test_it_goes_on_from_where_it_ended(model):
+    """An impact may be under way: its state is part of the state."""
+    whole = mujoco_impact.rollout(model, duration=0.5, qpos=starts(3))
+    half = mujoco_impact.rollout(model, duration=0.282, qpos=starts(3))
+    rest = mujoco_impact.rollout(model, duration=0.218, initial_state=half.final_state)
+    np.testing.assert_array_equal(rest.final_state, whole.final_state)
+    np.testing.assert_array_equal(rest.time, whole.time[-len(rest.time) :])
+
+
+def test_it_is_run_for_one_simulation(model):
+    motion = mujoco_impact.run(model, duration=0.6, keyframe="release")
+    found = mujoco_impact.rollout(model, duration=0.6, keyframe="release")
+    np.testing.assert_array_equal(found.qpos[0], motion.qpos[1:])
+    np.testing.assert_array_equal(found.qvel[0], motion.qvel[1:])
+    np.testing.assert_array_equal(found.time, motion.time[1:])
+
+
+def test_progress_rises_to_one(model, monkeypatch):
+    monkeypatch.setattr("mujoco_impact.rollouts.CHUNK_BYTES", 1.0)
+    told = []
+    mujoco_impact.rollout(
+        model, duration=0.01, qpos=starts(5), threads=2, progress=told.append
+    )
+    assert told == [0.4, 0.8, 1.0]
+
+
+def test_one_velocity_serves_all_positions(model):
+    states = initial_states(model, qpos=starts(4), qvel=[1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(states[:, 1:4], starts(4))
+    np.testing.assert_array_equal(states[:, 4:7], [[1.0, 2.0, 3.0]] * 4)
+
+
+def test_a_simulation_that_breaks_down_is_named(model):
+    qvel = np.zeros((4, 3))
+    qvel[2, 1] = np.nan
+    with pytest.raises(SimulationError, match="simulation 2 by 0.002 s") as caught:
+        mujoco_impact.rollout(model, duration=0.1, qvel=qvel, threads=2)
+    assert caught.value.time == 0.002
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "said"),
+    [
+        ({"qpos": [[0.0] * 4]}, SceneError, r"qpos has shape \(1, 4\), allowed: \(3,"),
+        (
+            {"qpos": np.zeros((2, 3)), "qvel": np.zeros((3, 3))},
+            SceneError,
+            "qpos has 2",
+        ),
+        ({"initial_state": np.zeros((1, 4))}, SceneError, "initial_state has shape"),
+        ({"initial_state": [0.0], "qpos": [0.0]}, SceneError, "give no qpos"),
+        ({"control": np.zeros((3, 1))}, SceneError, r"control has shape \(3, 1\)"),
+        ({"keyframe": "start"}, SceneError, "no keyframe 'start'"),
+        ({"every": 0}, ValueError, "every = 0: must be 1 to 50"),
+        ({"threads": 0}, ValueError, "threads = 0: must be >= 1"),
+    ],
+)
+def test_bad_arguments_are_refused_with_a_reason(model, options, error, said):
+    with pytest.raises(error, match=said):
+        mujoco_impact.rollout(model, duration=0.1, **options)
