@@ -13,16 +13,24 @@ import pytest
 from typer.testing import CliRunner
 
 from mujoco_impact import cli
-from mujoco_impact.bench import benchmark, measure, mujoco_methods, sequential, steps
+from mujoco_impact.bench import (
+    benchmark,
+    measure,
+    mujoco_methods,
+    sequential,
+    step_cases,
+    steps,
+)
 from mujoco_impact.bench.benchmark import choose_methods, run_benchmark
-from mujoco_impact.bench.compiled import LIBRARY_VARIABLE
+from mujoco_impact.bench.library import LIBRARY_VARIABLE
 from mujoco_impact.bench.mujoco_methods import DEFAULT, OURS
 from mujoco_impact.bench.points import Point
 from mujoco_impact.bench.results import points_from_csv, read_results
 from mujoco_impact.bench.scenes import SCENES, choose_scenes
+from mujoco_impact.bench.simulate import START
 from mujoco_impact.bench.truths import Truth, row_errors, truth_of
 from mujoco_impact.errors import ConfigError, SceneError
-from mujoco_impact.runner import load_model
+from mujoco_impact.runner import initial_data, load_model
 from mujoco_impact.scene import attach
 
 # Velocities after the first impact over the impact speed, from integrations of the
@@ -181,7 +189,7 @@ def test_what_is_missing_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_floor_sees_the_same_contacts() -> None:
     """From the same states: as many, as deep, all of them left to nobody."""
     attached = attach(SCENES["S2"].spec())
-    ours, floor = load_model(attached), load_model(steps._floor(attached))
+    ours, floor = load_model(attached), load_model(step_cases.floor(attached))
     assert (ours.nplugin, floor.nplugin) == (1, 0)
     states = steps._motion(ours, 200)
     mine, bare = mujoco.MjData(ours), mujoco.MjData(floor)
@@ -202,8 +210,12 @@ def test_replayed_motion_is_our_own() -> None:
     attached = attach(SCENES["S1"].spec())
     model = load_model(attached)
     states = steps._motion(model, 200)
-    times = steps._step_all(model, states)
+    data = initial_data(model, keyframe=START)
+    times = steps._step_all(model, data, *states)
     assert times.shape == (200,)
+    # in the end where the motion led
+    model_again = steps._motion(model, 201)
+    np.testing.assert_array_equal(data.qpos, model_again[0][-1])
     again = steps._motion(model, 200)
     np.testing.assert_array_equal(states[0], again[0])
     # the last ball has flown off within 0.4 s

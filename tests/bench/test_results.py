@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mujoco_impact.bench.impacts import ImpactTimes, WaveTimes
 from mujoco_impact.bench.machine import machine
 from mujoco_impact.bench.points import Point
 from mujoco_impact.bench.results import (
@@ -59,7 +60,11 @@ def results(points: tuple[Point, ...]) -> Results:
         scenes={"S1": "three balls"},
         methods={"ours": "ours"},
         points=points,
-        steps=(StepTimes("3 balls", 10, 1.0, 1.0, 2.0, 3.0, 9.0, 0.5, 2.0),),
+        steps=(
+            StepTimes("3 balls", 3, 10, 1.0, 1.0, 2.0, 3.0, 9.0, 0.5, 2.0, 0.4, 0.2),
+        ),
+        impacts=(ImpactTimes(3, 1e-5, 40, 1e-6, 5.0, 4.0, 50, 1e-4, 2.0, 2.5),),
+        waves=(WaveTimes(100, 1000, 400.0, 4.0, 1.0),),
         missing={"dart": "not installed"},
         versions={"mujoco": "3"},
         machine={"cores": 2},
