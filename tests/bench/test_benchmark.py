@@ -94,6 +94,12 @@ def test_command_writes_everything(tmp_path: Path) -> None:
     chart = (out / "S1.png").read_bytes()
     assert chart.startswith(b"\x89PNG")
     assert len(chart) > 30_000
+    assert (out / "overview.png").read_bytes().startswith(b"\x89PNG")
+    # the summary is printed, and kept
+    assert "at the run time of MuJoCo's defaults" in ran.output
+    (velocity, angle) = results.to_dict()["summary"]
+    assert (velocity["error"], angle["error"]) == ("velocity_error", "angle_rms")
+    assert velocity["default"] > 0.3
     assert str(tmp_path) not in (out / "results.json").read_text()
 
 
@@ -184,6 +190,43 @@ def test_what_is_missing_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "not installed" in results.missing["exudyn"]
     assert LIBRARY_VARIABLE in results.missing["compiled-hertz"]
     assert "pendulum rows only" in results.missing["sequential on strings"]
+
+
+def test_every_scene_of_the_steps_loads_with_its_floor() -> None:
+    """With the plugin and without; names and headings are unique."""
+    cases = step_cases.step_cases(library=False)
+    assert len({case.title for case in cases}) == len(cases)
+    for case in cases:
+        # long ones take a second each to compile, and are made by the same functions
+        if case.balls <= 100:
+            ours, floor = map(load_model, case.specs())
+            assert (ours.nplugin, floor.nplugin) == (1, 0)
+            assert ours.ngeom == floor.ngeom == case.balls
+
+
+@pytest.mark.usefixtures("library")
+def test_empty_plugin_is_called_and_does_nothing() -> None:
+    """The row swings as without it."""
+    *_, case = step_cases.step_cases(library=True)
+    assert "empty plugin" in case.title
+    empty, floor = map(load_model, case.specs())
+    assert (empty.nplugin, floor.nplugin) == (1, 0)
+    assert empty.nsensordata == 1
+    for one, other in zip(
+        steps._motion(empty, 100), steps._motion(floor, 100), strict=True
+    ):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_steps_are_timed_and_summed_up() -> None:
+    """One step less than the motion has: the first one does not count."""
+    case = step_cases.step_cases(library=False)[0]
+    (row,) = steps.step_times(duration=0.2, repeats=2, cases=[case])
+    assert (row.case, row.balls, row.steps) == ("3 swinging balls", 3, 99)
+    assert 0 < row.p50 <= row.p99 <= row.worst <= row.disturbed
+    assert row.ratio == pytest.approx(row.mean / row.floor)
+    assert row.per_ball == pytest.approx(row.mean / 3)
+    assert row.floor_per_ball == pytest.approx(row.floor / 3)
 
 
 def test_floor_sees_the_same_contacts() -> None:

@@ -10,9 +10,11 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rich.console import Console
 
 from mujoco_impact.bench.impacts import ImpactTimes, WaveTimes
 from mujoco_impact.bench.machine import machine
+from mujoco_impact.bench.output import show
 from mujoco_impact.bench.points import Point
 from mujoco_impact.bench.results import (
     Results,
@@ -123,3 +125,13 @@ def test_machine_tells_no_names() -> None:
     assert platform.node() not in text
     assert getpass.getuser() not in text.split()
     assert "/" not in text
+
+
+def test_times_are_shown() -> None:
+    """A table each of steps, impacts and waves, and why something is missing."""
+    console = Console(record=True, width=120, markup=False)
+    show(results(()), console)
+    text = console.export_text()
+    for heading in ("single steps", "one impact of a row", "through a long row"):
+        assert heading in text
+    assert "not measured, not installed: dart" in text

@@ -181,13 +181,13 @@ def _draw_points(
     axis.plot(costs, heights, label=label, **(usual | style))
 
 
-def name_point(axis: Axes, point: Point, error: str) -> None:
-    """Writes the timestep next to one of our points."""
+def name_point(axis: Axes, point: Point, error: str, *, above: bool = False) -> None:
+    """Writes the timestep next to one of our points: below left, or above right."""
     axis.annotate(
         f"{point.timestep * 1e3:g} ms",
         (point.cost, shown(point, error)),
-        xytext=(-7, -10),
-        ha="right",
+        xytext=(7, 3) if above else (-7, -10),
+        ha="left" if above else "right",
         textcoords="offset points",
         fontsize=8,
         color="crimson",

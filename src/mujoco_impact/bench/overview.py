@@ -67,10 +67,10 @@ def draw_overview(results: Results, folder: Path) -> tuple[Path, ...]:
         handles |= dict(zip(*reversed(axis.get_legend_handles_labels()), strict=True))
     for axis in axes.flat[len(scenes) :]:
         axis.set_axis_off()
-    figure.supxlabel("run time / run time of MuJoCo's defaults", fontsize=10)
-    figure.supylabel(
-        "velocity error after the first impact / impact speed", fontsize=10
-    )
+    for axis in axes[-1]:
+        axis.set_xlabel("run time / run time of MuJoCo's defaults")
+    for axis in axes[:, 0]:
+        axis.set_ylabel("velocity error after the first impact [v0]")
     figure.legend(
         handles.values(), handles.keys(), loc="outside lower center", ncols=4,
         fontsize=9, frameon=False,
@@ -102,7 +102,7 @@ def _draw_kind(axis: Axes, points: Sequence[Point], kind: str) -> None:
     """Draws the points of one kind of method; ours with their timesteps."""
     method = points[0].method
     ours, bound = method == OURS, not points[0].comparable
-    colour, marker = ("tab:blue", ".") if method in TUNED else STYLES[method]
+    colour, marker = ("tab:blue", "v") if method in TUNED else STYLES[method]
     line = "-" if ours else "--" if bound else "none"
     axis.plot(
         [point.cost for point in points],
@@ -110,12 +110,12 @@ def _draw_kind(axis: Axes, points: Sequence[Point], kind: str) -> None:
         label=kind,
         color=colour,
         marker=marker,
-        markersize=12 if ours else 8 if bound else 6.5,
+        markersize=12 if ours else 7,
         markeredgecolor=colour if bound else "white",
         markeredgewidth=1.6 if bound else 0.4,
         linestyle=line,
         linewidth=0.8,
-        zorder=6 if ours else 3,
+        zorder=6 if ours else 4 if method == DEFAULT else 3,
     )
     for point in points if ours else ():
-        name_point(axis, point, ERROR)
+        name_point(axis, point, ERROR, above=True)

@@ -36,7 +36,7 @@ HEADINGS = (
     "error",
     "MuJoCo's defaults",
     "best MuJoCo at no more run time",
-    "most accurate other engine",
+    "most accurate other engine (run time)",
 )
 
 
