@@ -132,6 +132,6 @@ def test_times_are_shown() -> None:
     console = Console(record=True, width=120, markup=False)
     show(results(()), console)
     text = console.export_text()
-    for heading in ("single steps", "one impact of a row", "through a long row"):
+    for heading in ("single steps", "one impact of a row", "through long rows"):
         assert heading in text
     assert "not measured, not installed: dart" in text

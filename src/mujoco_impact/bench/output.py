@@ -21,8 +21,9 @@ from mujoco_impact.bench.tables import (
 
 def write_files(results: Results, folder: Path) -> tuple[Path, ...]:
     """Writes results and charts; returns the paths written."""
-    charts = (*draw_charts(results, folder), *draw_overview(results, folder))
-    return (*write_results(results, folder), *charts)
+    # first: it makes the folder
+    files = write_results(results, folder)
+    return (*files, *draw_charts(results, folder), *draw_overview(results, folder))
 
 
 def show(results: Results, console: Console) -> None:

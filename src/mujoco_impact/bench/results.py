@@ -66,12 +66,11 @@ class Results:
     def to_dict(self) -> dict[str, Any]:
         """Returns plain numbers and text, with a summary; None stands for nan."""
         document = dataclasses.asdict(self)
-        document["summary"] = list(map(dataclasses.asdict, summarize(self.points)))
-        for table in (*_TABLES, "summary"):
-            document[table] = [
-                {key: _plain(value) for key, value in row.items()}
-                for row in document[table]
-            ]
+        for table in _TABLES:
+            document[table] = list(map(_plain_row, document[table]))
+        # of the rounded points, so that it follows from the file
+        summaries = summarize(tuple(map(_point, document["points"])))
+        document["summary"] = [_plain_row(dataclasses.asdict(row)) for row in summaries]
         return {"layout_version": LAYOUT_VERSION, **document}
 
     @classmethod
@@ -125,8 +124,7 @@ def points_to_csv(points: Sequence[Point]) -> str:
     writer = csv.DictWriter(file, names, lineterminator="\n")
     writer.writeheader()
     for point in points:
-        row = {key: _plain(value) for key, value in dataclasses.asdict(point).items()}
-        writer.writerow(row)
+        writer.writerow(_plain_row(dataclasses.asdict(point)))
     return file.getvalue()
 
 
@@ -135,8 +133,14 @@ def points_from_csv(text: str) -> tuple[Point, ...]:
     return tuple(_point(row) for row in csv.DictReader(io.StringIO(text)))
 
 
+def _plain_row(row: dict[str, Any]) -> dict[str, Any]:
+    return {key: _plain(value) for key, value in row.items()}
+
+
 def _plain(value: Any) -> Any:
-    """Returns a number rounded, None for nan, and anything else as it is."""
+    """Returns a number rounded, None for nan, as JSON has it; the rest as it is."""
+    if isinstance(value, tuple):
+        return list(value)
     if not isinstance(value, float):
         return value
     return float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None

@@ -83,7 +83,7 @@ def step_cases(*, library: bool) -> Sequence[StepCase]:
         *(_swinging(count) for count in rows),
         *(_before_impact(count) for count in rows),
         StepCase(
-            "10 x 10 lattice hit at a corner",
+            "10 x 10 lattice, corner hit",
             100,
             partial(cradle_models.lattice, 10, 10, released="corner"),
             longest=2.0,
@@ -98,7 +98,7 @@ def step_cases(*, library: bool) -> Sequence[StepCase]:
         _alone(50),
     ]
     if library:
-        cases.append(_alone(5, plugin=add_empty_plugin, suffix=", empty plugin"))
+        cases.append(_alone(5, plugin=add_empty_plugin, what="empty plugin"))
     return cases
 
 
@@ -116,8 +116,10 @@ def _before_impact(count: int) -> StepCase:
     return StepCase(title, count, make, longest=BEFORE_IMPACT, rounds=3)
 
 
-def _alone(count: int, *, plugin: Change | None = None, suffix: str = "") -> StepCase:
+def _alone(
+    count: int, *, plugin: Change | None = None, what: str = "no contact"
+) -> StepCase:
     """Returns a row whose balls never meet."""
     make = partial(cradle_models.row, "A" * count, gap=ALONE_GAP, release=ALONE_RELEASE)
-    title = f"{count} balls, no contact{suffix}"
+    title = f"{count} balls, {what}"
     return StepCase(title, count, make, longest=5.0, plugin=plugin)

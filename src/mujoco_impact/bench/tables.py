@@ -15,6 +15,8 @@ from mujoco_impact.tables import NOTHING
 
 NUMBERS = ("cost", "velocity_error", "angle_rms", "energy_drift")
 
+ERROR_WORDS = {"velocity_error": "velocity", "angle_rms": "angle"}
+
 
 def front_table(results: Results, scene: str) -> Table:
     """Returns the points on the front of run time and velocity error of a scene."""
@@ -37,37 +39,37 @@ def front_table(results: Results, scene: str) -> Table:
 
 def step_table(results: Results) -> Table:
     """Returns the times of single steps."""
-    table = _table("single steps at 2 ms [us]", "case", (
-        "mean", "p50", "p99", "worst", "floor\nmean", "mean /\nfloor",
-        "mean /\nball", "floor /\nball",
-    ))  # fmt: skip
+    headings = ("mean", "p50", "p99", "worst", "floor", "mean /\nfloor", "mean /\nball")
+    table = _table("single steps at 2 ms [us]", "case", headings)
     for row in results.steps:
-        times = (row.mean, row.p50, row.p99, row.worst, row.floor, row.ratio,
-                 row.per_ball, row.floor_per_ball)  # fmt: skip
-        table.add_row(row.case, *[f"{value:.2f}" for value in times])
+        times = map(_time, (row.mean, row.p50, row.p99, row.worst, row.floor))
+        table.add_row(row.case, *times, f"{row.ratio:.3f}", f"{row.per_ball:.3f}")
     return table
 
 
 def impact_table(results: Results) -> Table:
     """Returns what one impact costs, by the law and by the loop."""
-    table = _table("one impact of a row, the law alone and a loop", "balls", (
+    table = _table("one impact of a row: the law alone, and a loop", "balls", (
         "tolerance", "steps", "error\n[v0]", "median\n[us]", "fastest\n[us]",
-        "loop\nsteps", "loop error\n[v0]", "loop\n[us]", "law /\nloop",
+        "loop\nerror", "loop\n[us]", "law /\nloop",
     ))  # fmt: skip
     for row in results.impacts:
-        law = (row.tolerance, row.steps, row.error, row.microseconds, row.fastest)
-        loop = (row.loop_steps, row.loop_error, row.loop_microseconds, row.ratio)
-        table.add_row(str(row.balls), *map(_number, (*law, *loop)))
+        numbers = (row.microseconds, row.fastest)
+        loop = (f"{row.loop_error:.1e}", _time(row.loop_microseconds))
+        table.add_row(
+            str(row.balls), f"{row.tolerance:g}", str(row.steps), f"{row.error:.1e}",
+            *map(_time, numbers), *loop, f"{row.ratio:.2f}",
+        )  # fmt: skip
     return table
 
 
 def wave_table(results: Results) -> Table:
     """Returns what an impact that travels through a long row costs."""
-    headings = ("steps", "[us]", "[us] /\nball", "relative")
-    table = _table("an impact through a long row, the law alone", "balls", headings)
+    headings = ("steps", "[us]", "[us] / ball", "relative")
+    table = _table("the law alone: an impact through long rows", "balls", headings)
     for row in results.waves:
-        numbers = (row.microseconds, row.per_ball, row.relative)
-        table.add_row(str(row.balls), str(row.steps), *map(_number, numbers))
+        times = f"{row.microseconds:.0f}", f"{row.per_ball:.2f}", f"{row.relative:.3f}"
+        table.add_row(str(row.balls), str(row.steps), *times)
     return table
 
 
@@ -79,7 +81,7 @@ def summary_table(results: Results) -> Table:
     ))  # fmt: skip
     for row in summarize(results.points):
         numbers = map(_number, (row.cost, row.ours, row.mujoco, row.advantage))
-        table.add_row(row.scene, row.error, *numbers, *_beaten(row))
+        table.add_row(row.scene, ERROR_WORDS[row.error], *numbers, *_beaten(row))
     return table
 
 
@@ -100,3 +102,8 @@ def _table(title: str, first: str, headings: Iterable[str]) -> Table:
 def _number(value: float) -> str:
     """Returns a number in three digits, or a dash."""
     return NOTHING if math.isnan(value) else f"{value:.3g}"
+
+
+def _time(value: float) -> str:
+    """Returns a time in three digits, in full."""
+    return f"{value:.{max(0, min(2, 2 - math.floor(math.log10(value))))}f}"
