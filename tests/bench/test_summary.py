@@ -82,3 +82,10 @@ def test_scenes_without_us_or_without_rivals_do_not_break_it() -> None:
     assert math.isnan(summary.advantage)
     assert math.isnan(summary.engine)
     assert summary.mujoco_setting == ""
+
+
+def test_no_error_at_all_is_infinitely_better() -> None:
+    """And what failed, so that it has no cost, does not count."""
+    failed = point("mujoco-damper", math.nan, 1e-9)
+    summary = only(point(OURS, 1.0, 0.0), point(DEFAULT, 1.0, 0.4), failed)
+    assert summary.advantage == math.inf

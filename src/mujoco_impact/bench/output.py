@@ -11,6 +11,7 @@ from mujoco_impact.bench.overview import draw_overview
 from mujoco_impact.bench.results import Results, write_results
 from mujoco_impact.bench.summary import summarize
 from mujoco_impact.bench.tables import (
+    ERROR_WORDS,
     front_table,
     impact_table,
     step_table,
@@ -60,7 +61,7 @@ def _show_summary(results: Results, console: Console) -> None:
     console.print(summary_table(results))
     for row in summarize(results.points):
         for beaten in row.beaten:
-            console.out(f"{row.scene}, {row.error}: {beaten}")
+            console.out(f"beaten on {row.scene}, {ERROR_WORDS[row.error]}: {beaten}")
 
 
 def _by_reason(missing: dict[str, str]) -> dict[str, list[str]]:

@@ -74,6 +74,7 @@ def summarize(points: Sequence[Point]) -> tuple[Summary, ...]:
                 for point in points
                 if point.scene == scene
                 and point.comparable
+                and math.isfinite(point.cost)
                 and math.isfinite(getattr(point, error))
             ]
             if any(point.method == OURS for point in found):
@@ -102,7 +103,7 @@ def _summary(scene: str, error: str, points: Sequence[Point]) -> Summary:
         default=_value(plain[0] if plain else None, error),
         mujoco=_value(rival, error),
         mujoco_setting=_name(rival),
-        advantage=_value(rival, error) / _value(best, error),
+        advantage=_ratio(_value(rival, error), _value(best, error)),
         engine=_value(engine, error),
         engine_name="" if engine is None else engine.method,
         engine_cost=_value(engine, "cost"),
@@ -135,6 +136,11 @@ def _beaten(
         if by is not None:
             pairs.append((one, by))
     return pairs
+
+
+def _ratio(rival: float, ours: float) -> float:
+    """Returns the quotient, infinite where we make no error at all."""
+    return rival / ours if ours else math.inf
 
 
 def _value(point: Point | None, name: str) -> float:
