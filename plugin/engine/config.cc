@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "law/hertz_contact.h"
+#include "law/impact_law.h"
 #include "law/viscous.h"
 
 namespace mujoco_impact::engine {
@@ -26,6 +27,7 @@ constexpr char kYoung[] = "young";
 constexpr char kPoisson[] = "poisson";
 constexpr char kDuration[] = "duration";
 constexpr char kTouch[] = "touch";
+constexpr char kTolerance[] = "tolerance";
 constexpr char kPassive[] = "passive";
 constexpr char kAlpha[] = "alpha";
 constexpr char kHeight[] = "sh";
@@ -52,6 +54,9 @@ constexpr NumberRule kYoungRule{
 constexpr NumberRule kPoissonRule{kPoisson, 0.3, -1, 0.5, false, true, "a number in (-1, 0.5]"};
 constexpr NumberRule kTouchRule{
     kTouch, 1e-9, 0, kInfinity, true, false, "a finite number >= 0 [m]"};
+constexpr NumberRule kToleranceRule{
+    kTolerance, law::kDefaultTolerance,     law::kSmallestTolerance, law::kLargestTolerance, true,
+    true,       "a number in [1e-12, 1e-2]"};
 constexpr NumberRule kHeightRule{
     kHeight, 0, 0, kInfinity, false, false, "a finite number > 0 [N s/(kg m)]"};
 constexpr NumberRule kWidthRule{kWidth, 0, 0, kInfinity, true, false, "a finite number >= 0"};
@@ -188,7 +193,7 @@ void CheckCombination(Reader& reader, const Config& config, int owned) {
 const char* const kAttributes[] = {kLaw,      kRestitution, kDissipation, kYoung, kPoisson,
                                    kDuration, kTouch,       kPassive,     kAlpha, kHeight,
                                    kWidth,    kBaseWidth,   kUnitFactor,  kShape, kFriction,
-                                   kStatic,   kDynamic};
+                                   kStatic,   kDynamic,     kTolerance};
 const int kAttributeCount = sizeof(kAttributes) / sizeof(kAttributes[0]);
 
 int ReadList(const char* text, double* values, int size) {
@@ -219,6 +224,7 @@ Config ReadConfig(const mjModel* m, int instance, int owned, ConfigError* error)
   config.effective_modulus =
       law::EffectiveModulus(reader.Number(kYoungRule), reader.Number(kPoissonRule));
   config.touch = reader.Number(kTouchRule);
+  config.tolerance = reader.Number(kToleranceRule);
   config.calibrated.height_factor = reader.Number(kHeightRule);
   config.calibrated.duration_factor = reader.Number(kWidthRule);
   config.calibrated.base_duration = reader.Number(kBaseWidthRule);
