@@ -143,6 +143,14 @@ void ReadDuration(Reader& reader, Config& config) {
   }
 }
 
+// The factors are looked up only if they count, or are to be checked: most scenes have no friction.
+void ReadFriction(Reader& reader, Config& config, bool check) {
+  config.friction = reader.Word(kFriction, {"none", "paper"}, "'none' or 'paper'") == 1;
+  config.paper_friction = {0, 0};
+  if (!config.friction && !check) return;
+  config.paper_friction = {reader.Number(kStaticRule), reader.Number(kDynamicRule)};
+}
+
 void CheckAlpha(Reader& reader, const Config& config, int owned) {
   const int count = ReadList(config.alpha, nullptr, 0);
   char note[96] = "";
@@ -231,8 +239,7 @@ Config ReadConfig(const mjModel* m, int instance, int owned, ConfigError* error)
   config.calibrated.unit_factor = reader.Number(kUnitFactorRule);
   const double shape = reader.Number(kShapeRule);
   config.waveform_restitution = config.law == Law::kCalibrated ? shape : config.restitution;
-  config.friction = reader.Word(kFriction, {"none", "paper"}, "'none' or 'paper'") == 1;
-  config.paper_friction = {reader.Number(kStaticRule), reader.Number(kDynamicRule)};
+  ReadFriction(reader, config, error != nullptr);
   config.alpha = reader.Text(kAlpha);
   ReadDuration(reader, config);
   if (error) CheckCombination(reader, config, owned);
