@@ -7,7 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mujoco_impact.sensor import read_sensor, sensor_slice
+from mujoco_impact.sensor import IMPULSE, NUMBERS_PER_GEOM, sensor_slice
 from mujoco_impact.trajectory import Array
 
 
@@ -26,17 +26,21 @@ class CradleState:
                 may replace it.
         """
         self.size = int(model.njnt)
-        self._inertia: Array = model.dof_M0.copy()
-        self._mass: Array = model.body_mass[1:].copy()
         self._length: Array = np.linalg.norm(model.body_ipos[1:], axis=1)
-        self._gravity = float(-model.opt.gravity[2])
-        has_sensor = model.nsensor > 0
-        self._sensor = sensor_slice(model) if has_sensor else None
+        gravity = float(-model.opt.gravity[2])
+        # I / (2 m g): height that an angular velocity is worth [m s²]
+        self._swing: Array = model.dof_M0 / (2.0 * model.body_mass[1:] * gravity)
+        self._impulses: slice | None = None
+        if model.nsensor > 0:
+            all_numbers = sensor_slice(model)
+            self._impulses = slice(
+                all_numbers.start + IMPULSE, all_numbers.stop, NUMBERS_PER_GEOM
+            )
 
     @property
     def has_impacts(self) -> bool:
         """Whether the model has the plugin, and so a sensor of impacts."""
-        return self._sensor is not None
+        return self._impulses is not None
 
     def angles(self, data: Any) -> Array:
         """Returns the angles [rad], shape (n,); 0: hanging, > 0: towards the last."""
@@ -48,7 +52,7 @@ class CradleState:
 
     def impulses(self, data: Any) -> Array:
         """Returns the impulse of the last impact of each ball [N s], shape (n,)."""
-        return read_sensor(data.sensordata[self._sensor]).impulse
+        return np.array(data.sensordata[self._impulses])
 
     def heights(self, data: Any) -> Array:
         """Returns how high each ball would swing if nothing met it [m], shape (n,).
@@ -56,12 +60,9 @@ class CradleState:
         Above its lowest point, from the energy of the pendulum:
         h = L (1 - cos θ) + I ω² / (2 m g).
         """
-        swing = self._inertia * data.qvel**2 / (2.0 * self._mass * self._gravity)
-        return np.asarray(self._length * (1.0 - np.cos(data.qpos)) + swing)
-
-    def angle_of_height(self, height: float) -> float:
-        """Returns the angle at which the first ball is that high [rad]."""
-        return float(np.arccos(1.0 - height / self._length[0]))
+        return np.asarray(
+            self._length * (1.0 - np.cos(data.qpos)) + self._swing * data.qvel**2
+        )
 
     def place(self, data: Any, angles: Array) -> None:
         """Puts the balls at rest at these angles [rad], shape (n,)."""

@@ -74,10 +74,12 @@ class CradleTask(ABC):
     def after_step(self, data: Any) -> None:
         """Follows how far the balls swing out; called after every control step."""
         out = self.state.angles(data) > OUT_ANGLE
-        if out[-1] and not self._was_out:
+        is_out = bool(out[-1])
+        if is_out and not self._was_out:
             self.reach = np.zeros(self.state.size)
-        self._was_out = bool(out[-1])
-        self.reach = np.where(out, self.state.heights(data), self.reach)
+        self._was_out = is_out
+        if out.any():
+            self.reach = np.where(out, self.state.heights(data), self.reach)
 
     def observation(self, data: Any) -> dict[str, Array]:
         """Returns the observations by name, as copies."""
