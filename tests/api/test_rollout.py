@@ -116,7 +116,7 @@ def test_one_velocity_serves_all_positions(model):
 def test_a_simulation_that_breaks_down_is_named(model):
     qvel = np.zeros((4, 3))
     qvel[2, 1] = np.nan
-    with pytest.raises(SimulationError, match="simulation 2 by 0.002 s") as caught:
+    with pytest.raises(SimulationError, match=r"simulation 2 by 0\.002 s") as caught:
         mujoco_impact.rollout(model, duration=0.1, qvel=qvel, threads=2)
     assert caught.value.time == 0.002
 
