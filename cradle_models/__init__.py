@@ -22,6 +22,7 @@ from cradle_models.catalogue import (
 from cradle_models.errors import CradleModelError, ModelValueError, UnknownModelError
 from cradle_models.free import free_balls, two_string
 from cradle_models.pendulums import lattice, row
+from cradle_models.sensor import force_sensor
 
 __all__ = [
     "LETTERS",
@@ -33,6 +34,7 @@ __all__ = [
     "ModelValueError",
     "UnknownModelError",
     "balls",
+    "force_sensor",
     "free_balls",
     "lattice",
     "list_models",

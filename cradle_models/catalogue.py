@@ -7,6 +7,7 @@ from pathlib import Path
 from cradle_models.errors import UnknownModelError
 from cradle_models.free import two_string
 from cradle_models.pendulums import row
+from cradle_models.sensor import force_sensor
 
 #: The eight three-ball patterns of Dondo and Noborio, table 2, in their order.
 PAPER_PATTERNS = ("AAA", "AAB", "ABA", "ABB", "BAA", "BAB", "BBA", "BBB")
@@ -24,6 +25,7 @@ def _makers() -> dict[str, Callable[[], str]]:
         makers[name] = partial(row, pattern, name=name)
     for count in (3, 5):
         makers[f"two_string_{count}"] = partial(two_string, "A" * count)
+    makers["force_sensor"] = force_sensor
     return makers
 
 

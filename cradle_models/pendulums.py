@@ -63,7 +63,7 @@ def row(
     beam = numbers(positions[0] - largest, 0.0, 0.0, positions[-1] + largest, 0.0, 0.0)
     world = [f'<site name="beam" type="capsule" size="0.003" fromto="{beam}"/>']
     for i, (ball, x) in enumerate(zip(chain, positions, strict=True), start=1):
-        world += _pendulum(str(i), ball, (x, 0.0), length, kinds(chain)[ball], ("",))
+        world += pendulum(str(i), ball, (x, 0.0), length, kinds(chain)[ball], ("",))
     return document(
         name or f"row_{len(chain)}",
         world=world,
@@ -127,7 +127,7 @@ def lattice(
     for r, y in enumerate(ys, start=1):
         for c, x in enumerate(xs, start=1):
             label = f"{r}_{c}"
-            world += _pendulum(label, kind, (x, y), length, "steel_1", ("x_", "y_"))
+            world += pendulum(label, kind, (x, y), length, "steel_1", ("x_", "y_"))
             angles += _lattice_angles(release, released, r, c)
     half_width = xs[-1] + kind.radius + length * math.sin(math.radians(release))
     return document(
@@ -160,7 +160,7 @@ def _lattice_angles(
     return (a, b)
 
 
-def _pendulum(
+def pendulum(
     label: str,
     ball: Ball,
     pivot: tuple[float, float],

@@ -15,6 +15,8 @@ from matplotlib.axes import Axes
 import cradle_models
 import mujoco_impact
 from mujoco_impact import law, reference
+from mujoco_impact.paper.figures import write_figures
+from mujoco_impact.paper.force_sensor import experiment
 
 IMAGES = Path(__file__).parents[1] / "docs" / "images"
 DURATION = 3.0
@@ -99,6 +101,13 @@ def save(figure: plt.Figure, name: str) -> None:
     print(IMAGES / f"{name}.png")
 
 
+def force_sensor() -> None:
+    """The force-sensor experiment of the paper: waveforms and cumulated impulses."""
+    for path in write_figures(experiment(), IMAGES):
+        print(path)
+
+
 if __name__ == "__main__":
     cradle()
     waveform()
+    force_sensor()

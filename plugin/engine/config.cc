@@ -80,9 +80,12 @@ class Reader {
 
   void Refuse(const char* name, const char* allowed, const char* note = "") {
     if (!error_ || error_->message[0]) return;
+    // of a long value the beginning, so that there is room for what is allowed
+    constexpr int kShown = 120;
+    const bool cut = std::strlen(Text(name)) > kShown;
     std::snprintf(error_->message, sizeof(error_->message),
-                  "mujoco_impact.waveform: attribute '%s' = '%s' is refused%s; allowed: %s", name,
-                  Text(name), note, allowed);
+                  "mujoco_impact.waveform: attribute '%s' = '%.*s%s' is refused%s; allowed: %s",
+                  name, kShown, Text(name), cut ? "..." : "", note, allowed);
   }
 
   double Number(const NumberRule& rule) {

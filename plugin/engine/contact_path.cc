@@ -12,37 +12,31 @@ namespace {
 bool IsSphere(const mjModel* m, int geom) { return m->geom_type[geom] == mjGEOM_SPHERE; }
 
 // Distance of the two points, along the normal unless both are centres of spheres.
-mjtNum Separation(const ContactAnchor& anchor, const mjtNum first[3], const mjtNum second[3]) {
-  mjtNum between[3];
-  mju_sub3(between, second, first);
-  return anchor.spheres() ? mju_norm3(between) : mju_dot3(anchor.normal, between);
+mjtNum Separation(const ContactAnchor& anchor, const Vector3& first, const Vector3& second) {
+  const Vector3 between = second - first;
+  return anchor.spheres() ? Norm(between) : Dot(anchor.normal, between);
 }
 
 }  // namespace
 
 mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& contact) {
-  mjtNum v[2][3];
-  for (int i = 0; i < 2; ++i) {
-    BodyPoint point{m->geom_bodyid[contact.geom[i]], {}};
-    mju_copy3(point.position, contact.pos);
-    PointVelocity(m, d, point, v[i]);
-  }
+  const Vector3 position = Load(contact.pos);
+  const Vector3 first = PointVelocity(m, d, {m->geom_bodyid[contact.geom[0]], position});
+  const Vector3 second = PointVelocity(m, d, {m->geom_bodyid[contact.geom[1]], position});
   // c = −n·(v₂ − v₁)
-  return mju_dot3(contact.frame, v[0]) - mju_dot3(contact.frame, v[1]);
+  return Dot(Load(contact.frame), first - second);
 }
 
 ContactAnchor AnchorContact(const mjModel* m, const mjData* d, const mjContact& contact) {
   ContactAnchor anchor;
-  const mjtNum* position[2];
-  mju_copy3(anchor.normal, contact.frame);
+  Vector3 position[2];
+  anchor.normal = Load(contact.frame);
   for (int i = 0; i < 2; ++i) {
     const int geom = contact.geom[i];
     const int body = anchor.body[i] = m->geom_bodyid[geom];
     anchor.sphere[i] = IsSphere(m, geom);
-    position[i] = anchor.sphere[i] ? d->geom_xpos + 3 * geom : contact.pos;
-    mjtNum offset[3];
-    mju_sub3(offset, position[i], d->xpos + 3 * body);
-    mju_mulMatTVec3(anchor.local[i], d->xmat + 9 * body, offset);
+    position[i] = Load(anchor.sphere[i] ? d->geom_xpos + 3 * geom : contact.pos);
+    anchor.local[i] = RotateBack(d->xmat + 9 * body, position[i] - Load(d->xpos + 3 * body));
   }
   anchor.rest = Separation(anchor, position[0], position[1]) - contact.dist;
   return anchor;
@@ -53,63 +47,64 @@ ContactPath::ContactPath(const mjModel* m, const mjData* d, const ContactAnchor&
     : anchor_(anchor) {
   for (int i = 0; i < 2; ++i) {
     const int body = side_[i].body = anchor.body[i];
-    mju_mulMatVec3(side_[i].position, d->xmat + 9 * body, anchor.local[i]);
-    mju_addTo3(side_[i].position, d->xpos + 3 * body);
+    side_[i].position = Load(d->xpos + 3 * body) + Rotate(d->xmat + 9 * body, anchor.local[i]);
     // a contact point slides over any other shape, so the turning of the body does not move it
     of_side_[i] = PointMotion(m, d, side_[i], motion, anchor.sphere[i]);
   }
   gap_ = Separation(anchor, side_[0].position, side_[1].position) - anchor.rest;
 }
 
-void ContactPath::SideAt(int i, mjtNum tau, mjtNum position[3]) const {
-  mju_copy3(position, side_[i].position);
-  MovePoint(of_side_[i], tau, position);
-}
-
-void ContactPath::Distance(mjtNum tau, mjtNum distance[3]) const {
-  mjtNum first[3];
-  SideAt(0, tau, first);
-  SideAt(1, tau, distance);
-  mju_subFrom3(distance, first);
-}
-
 mjtNum ContactPath::Gap(mjtNum tau) const {
-  mjtNum change[3] = {0, 0, 0}, first[3] = {0, 0, 0};
-  MovePoint(of_side_[1], tau, change);
-  MovePoint(of_side_[0], tau, first);
-  mju_subFrom3(change, first);
-  if (!anchor_.spheres()) return gap_ + mju_dot3(anchor_.normal, change);
+  const Vector3 change = Displacement(of_side_[1], tau) - Displacement(of_side_[0], tau);
+  if (!anchor_.spheres()) return gap_ + Dot(anchor_.normal, change);
   // |D(τ)| − |D(0)| without cancellation: (D(τ) − D(0))·(D(τ) + D(0)) / (|D(τ)| + |D(0)|)
-  mjtNum before[3], after[3], sum[3];
-  mju_sub3(before, side_[1].position, side_[0].position);
-  mju_add3(after, before, change);
-  mju_add3(sum, before, after);
-  return gap_ + mju_dot3(change, sum) / (mju_norm3(before) + mju_norm3(after));
+  const Vector3 before = side_[1].position - side_[0].position, after = before + change;
+  return gap_ + Dot(change, before + after) / (Norm(before) + Norm(after));
 }
 
-void ContactPath::Normal(mjtNum tau, mjtNum normal[3]) const {
-  mju_copy3(normal, anchor_.normal);
-  if (!anchor_.spheres()) return;
-  Distance(tau, normal);
-  mju_normalize3(normal);
+Vector3 ContactPath::Normal(mjtNum tau) const {
+  if (!anchor_.spheres()) return anchor_.normal;
+  const Vector3 distance = Distance(tau);
+  const mjtNum length = Norm(distance);
+  // concentric spheres have no line of centres
+  return length < mjMINVAL ? anchor_.normal : 1 / length * distance;
 }
 
-mjtNum ContactPath::GapRate(mjtNum tau) const {
-  mjtNum n[3], rate[3] = {0, 0, 0};
-  Normal(tau, n);
+Vector3 ContactPath::Distance(mjtNum tau) const { return SideAt(1, tau) - SideAt(0, tau); }
+
+Vector3 ContactPath::DistanceRate(mjtNum tau) const {
+  const auto velocity = [tau](const PointDerivatives& x) {
+    return x.velocity + tau * (x.acceleration + tau / 2 * x.jerk);
+  };
+  return velocity(of_side_[1]) - velocity(of_side_[0]);
+}
+
+mjtNum ContactPath::GapRate(mjtNum tau) const { return Dot(Normal(tau), DistanceRate(tau)); }
+
+mjtNum ContactPath::NearestTime(mjtNum time) const {
+  if (!anchor_.spheres()) return time;
+  // d/dt ½ |D|² = D·D', and its derivative without the slow change of D'
+  mjtNum t = 0;
   for (int i = 0; i < 2; ++i) {
-    const PointDerivatives& x = of_side_[i];
-    const mjtNum sign = i == 0 ? -1 : 1;
-    mju_addToScl3(rate, x.velocity, sign);
-    mju_addToScl3(rate, x.acceleration, sign * tau);
-    mju_addToScl3(rate, x.jerk, sign * tau * tau / 2);
+    const Vector3 rate = DistanceRate(t);
+    const mjtNum speed2 = Dot(rate, rate);
+    if (speed2 < mjMINVAL) return time;
+    t = std::clamp<mjtNum>(t - Dot(Distance(t), rate) / speed2, 0, time);
   }
-  return mju_dot3(n, rate);
+  return t;
+}
+
+bool ContactPath::Closes(mjtNum time, mjtNum touch) const {
+  constexpr mjtNum kNoDeeper = 1e-6;
+  const mjtNum rate = GapRate(0);
+  return rate < 0 && (gap_ >= -touch || -rate * time > kNoDeeper * touch);
 }
 
 bool ContactPath::ClosingTime(mjtNum time, mjtNum late, mjtNum touch, mjtNum* tau) const {
-  constexpr int kNewtonSteps = 6;
-  if (GapRate(0) >= 0 || Gap(time) >= -touch) return false;
+  constexpr int kNewtonSteps = 30;
+  if (!Closes(time, touch)) return false;
+  // two balls that are apart at the end may have flown through each other
+  if (Gap(time) >= -touch && Gap(NearestTime(time)) >= -touch) return false;
   mjtNum t = 0;
   for (int i = 0; i < kNewtonSteps; ++i) {
     const mjtNum rate = GapRate(t);

@@ -32,10 +32,10 @@ inline bool MayClose(const mjModel* m, const mjData* d, const mjContact& contact
 // A contact as two points of its bodies, so that its gap is known wherever the bodies are.
 struct ContactAnchor {
   int body[2];
-  mjtNum local[2][3];  // the points in the frames of the bodies
-  bool sphere[2];      // the side is a sphere, its point the centre
-  mjtNum normal[3];    // from geom[0] to geom[1], for other than two spheres
-  mjtNum rest;         // distance of the points at which the gap is zero
+  Vector3 local[2];  // the points in the frames of the bodies
+  bool sphere[2];    // the side is a sphere, its point the centre
+  Vector3 normal;    // from geom[0] to geom[1], for other than two spheres
+  mjtNum rest;       // distance of the points at which the gap is zero
 
   bool spheres() const { return sphere[0] && sphere[1]; }
 };
@@ -50,18 +50,29 @@ class ContactPath {
   const BodyPoint& side(int i) const { return side_[i]; }
 
   // Where the point of a side is at τ.
-  void SideAt(int i, mjtNum tau, mjtNum position[3]) const;
+  Vector3 SideAt(int i, mjtNum tau) const {
+    return side_[i].position + Displacement(of_side_[i], tau);
+  }
   mjtNum Gap(mjtNum tau) const;
   mjtNum GapRate(mjtNum tau) const;
-  void Normal(mjtNum tau, mjtNum normal[3]) const;
+  Vector3 Normal(mjtNum tau) const;
+
+  // Whether the contact closes at the start. One that overlaps must get deeper by a part of `touch`
+  // within `time`: a plastic impact leaves the rounding of a common speed, and to call that an
+  // impact would begin a pulse without an impulse, and one that lasts, for W ~ u^(-1/5).
+  bool Closes(mjtNum time, mjtNum touch) const;
 
   // Time at which the contact closes within the `time` that is left of the step; false if it does
-  // not get deeper than `touch` by then. May be as early as −`late`: it closed unnoticed at the end
-  // of the last step, whose scan did not know the free acceleration.
+  // not get deeper than `touch` meanwhile. May be as early as −`late`: it closed unnoticed at the
+  // end of the last step, whose scan did not know the free acceleration.
   bool ClosingTime(mjtNum time, mjtNum late, mjtNum touch, mjtNum* tau) const;
 
  private:
-  void Distance(mjtNum tau, mjtNum distance[3]) const;
+  Vector3 Distance(mjtNum tau) const;
+  Vector3 DistanceRate(mjtNum tau) const;
+  // When two spheres are closest within `time`, up to the curvature of their paths; for other
+  // shapes the end.
+  mjtNum NearestTime(mjtNum time) const;
 
   const ContactAnchor& anchor_;
   BodyPoint side_[2];

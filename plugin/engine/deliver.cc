@@ -22,11 +22,9 @@ bool IsSphere(const mjModel* m, const Pulse& pulse, int side) {
 
 // Σ Jᵀ of a unit impulse along the pulse's normal, over all degrees of freedom.
 void AddPulseRow(const mjModel* m, const mjData* d, const Pulse& pulse, mjtNum* row) {
-  mjtNum normal[3];
-  PulseNormal(m, d, pulse, normal);
+  const Vector3 normal = PulseNormal(m, d, pulse);
   for (int side = 0; side < 2; ++side) {
-    BodyPoint point{BodyOf(m, pulse, side), {}};
-    PulsePoint(m, d, pulse, side, point.position);
+    const BodyPoint point{BodyOf(m, pulse, side), PulsePoint(m, d, pulse, side)};
     const int last = LastDof(m, point.body);
     if (last < 0) continue;
     mjtNum* segment = row + m->tree_dofadr[m->dof_treeid[last]];
@@ -76,18 +74,18 @@ Share ShareOfStep(const Pulse& pulse, mjtNum clock, mjtNum h) {
   return share;
 }
 
-void PulsePoint(const mjModel* m, const mjData* d, const Pulse& pulse, int side, mjtNum point[3]) {
+Vector3 PulsePoint(const mjModel* m, const mjData* d, const Pulse& pulse, int side) {
   const int body = BodyOf(m, pulse, side);
-  mju_mulMatVec3(point, d->xmat + 9 * body, pulse.point[side]);
-  mju_addTo3(point, d->xpos + 3 * body);
+  return Load(d->xpos + 3 * body) + Rotate(d->xmat + 9 * body, Load(pulse.point[side]));
 }
 
-void PulseNormal(const mjModel* m, const mjData* d, const Pulse& pulse, mjtNum normal[3]) {
-  mju_copy3(normal, pulse.normal);
-  if (!IsSphere(m, pulse, 0) || !IsSphere(m, pulse, 1)) return;
-  mju_sub3(normal, d->geom_xpos + 3 * static_cast<int>(pulse.geom[1]),
-           d->geom_xpos + 3 * static_cast<int>(pulse.geom[0]));
-  mju_normalize3(normal);
+Vector3 PulseNormal(const mjModel* m, const mjData* d, const Pulse& pulse) {
+  const Vector3 at_onset = Load(pulse.normal);
+  if (!IsSphere(m, pulse, 0) || !IsSphere(m, pulse, 1)) return at_onset;
+  const Vector3 distance = Load(d->geom_xpos + 3 * static_cast<int>(pulse.geom[1])) -
+                           Load(d->geom_xpos + 3 * static_cast<int>(pulse.geom[0]));
+  const mjtNum length = Norm(distance);
+  return length < mjMINVAL ? at_onset : 1 / length * distance;
 }
 
 mjtNum ActiveEnd(const State& state) {

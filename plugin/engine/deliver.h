@@ -18,6 +18,7 @@
 
 #include "engine/scratch.h"
 #include "engine/state.h"
+#include "engine/vector3.h"
 #include "engine/weight_gradient.h"
 
 namespace mujoco_impact::engine {
@@ -47,10 +48,10 @@ inline mjtNum SecondMoment(const Share& share) {
 }
 
 // World position of the pulse's point on its body `side`.
-void PulsePoint(const mjModel* m, const mjData* d, const Pulse& pulse, int side, mjtNum point[3]);
+Vector3 PulsePoint(const mjModel* m, const mjData* d, const Pulse& pulse, int side);
 
 // Direction of the pulse now: the line of centres of two spheres, otherwise as it was at onset.
-void PulseNormal(const mjModel* m, const mjData* d, const Pulse& pulse, mjtNum normal[3]);
+Vector3 PulseNormal(const mjModel* m, const mjData* d, const Pulse& pulse);
 
 // When the last of the pulses under way ends, from the start of the step; 0 if there are none [s].
 mjtNum ActiveEnd(const State& state);

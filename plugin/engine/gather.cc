@@ -21,7 +21,7 @@ bool IsDue(const mjModel* m, const mjData* d, const Outlook& outlook, const Moti
   const ContactPath path(m, d, anchor, outlook.motion);
   if (!path.ClosingTime(h - outlook.start, late, touch, tau)) return false;
   // with pulses under way, a contact that they will part is not an impact
-  return !outlook.arrears || ContactPath(m, d, anchor, settled).GapRate(0) < 0;
+  return !outlook.arrears || ContactPath(m, d, anchor, settled).Closes(h, touch);
 }
 
 }  // namespace

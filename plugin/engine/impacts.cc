@@ -121,7 +121,7 @@ ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, i
 void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, const int* position,
                                int count) {
   Scratch scratch(d_);
-  if (!scratch.Fits(IslandBytes(m_, d_, contacts_, position, count))) {
+  if (!scratch.Fits(IslandBytes(m_, d_, contacts_, position, count, scratch))) {
     mju_warning(
         "mujoco_impact.waveform: an impact of %d contacts needs more memory than mjData has left "
         "and is skipped; raise <size memory=\"...\"/> in the model",
@@ -151,6 +151,7 @@ void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
 // How far a body may get in an impact of this round: it may leave it at up to twice the speed of
 // the fastest closing, and fly for as long as the law counts what follows as the same impact.
 mjtNum Resolver::Reach(const Outlook& outlook) {
+  const mjtNum flight = std::min(flight_, m_->opt.timestep - outlook.start);
   mjtNum reach = 0;
   for (int k = 0; k < contacts_.count; ++k) {
     if (!contacts_.due[k]) continue;
@@ -158,7 +159,7 @@ mjtNum Resolver::Reach(const Outlook& outlook) {
     const mjtNum speed = -path.GapRate(contacts_.tau[k]);
     if (speed <= 0) continue;
     const mjtNum time = EstimateContactTime(m_, config_, d_->contact[contacts_.contact[k]], speed);
-    reach = std::max(reach, 2 * speed * std::max(flight_, law::kSameImpactTimes * time));
+    reach = std::max(reach, 2 * speed * std::max(flight, law::kSameImpactTimes * time));
   }
   return reach;
 }

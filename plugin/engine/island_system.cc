@@ -19,7 +19,7 @@ RowSegment MakeSegment(const mjModel* m, int tree, Scratch& scratch) {
 
 void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau, ContactRow& row,
              Scratch& scratch) {
-  row.path.Normal(tau, row.normal);
+  row.normal = row.path.Normal(tau);
   row.gap = row.path.Gap(tau);
   const ContactTrees trees = TreesOf(m, *row.contact);
   const bool merged = trees.tree[0] == trees.tree[1];
@@ -29,10 +29,8 @@ void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau
   for (int i = 0; i < 2; ++i) {
     if (trees.tree[i] < 0) continue;
     const RowSegment& segment = row.segment[merged ? 0 : i];
-    mjtNum position[3];
-    row.path.SideAt(i, tau, position);
-    AddRowAt(m, d, row.path.side(i), motion, tau, position, row.normal, i == 0 ? -1 : 1,
-             segment.jacobian);
+    AddRowAt(m, d, row.path.side(i), motion, tau, row.path.SideAt(i, tau), row.normal,
+             i == 0 ? -1 : 1, segment.jacobian);
   }
   for (const RowSegment& segment : row.segment) {
     if (segment.tree < 0) continue;
@@ -120,17 +118,22 @@ law::DelassusMatrix BuildDelassus(const mjModel* m, const IslandSystem& system, 
 }  // namespace
 
 size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts, const int* position,
-                   int count) {
-  // each contact couples with all contacts of its trees: bound the matrix by counting them twice
-  size_t dofs = 0;
+                   int count, Scratch& scratch) {
+  // a contact couples with every contact of its trees
+  int* on_tree = scratch.Take<int>(m->ntree);
+  std::fill_n(on_tree, m->ntree, 0);
+  size_t dofs = 0, couples = 0;
   for (int i = 0; i < count; ++i) {
     for (const int tree : TreesOf(m, d->contact[contacts.contact[position[i]]]).tree) {
-      if (tree >= 0) dofs += m->tree_dofnum[tree];
+      if (tree < 0) continue;
+      dofs += m->tree_dofnum[tree];
+      couples += 2 * on_tree[tree]++ + 1;
     }
   }
-  constexpr size_t kPerContact = 512, kNeighbours = 16;
-  return count * (sizeof(ContactRow) + kPerContact + kNeighbours * 12) + 2 * dofs * sizeof(mjtNum) +
-         m->ntree * sizeof(int);
+  // of the Delassus matrix, the laws and the resolution
+  constexpr size_t kPerContact = 768;
+  return count * (sizeof(ContactRow) + kPerContact) + couples * (sizeof(mjtNum) + sizeof(int)) +
+         (2 * dofs + m->nv) * sizeof(mjtNum) + 4 * m->ntree * sizeof(int);
 }
 
 IslandSystem BuildIsland(const mjModel* m, const mjData* d, Gathered& contacts, const int* position,

@@ -28,8 +28,8 @@ struct RowSegment {
 struct ContactRow {
   const mjContact* contact;
   ContactPath path;
-  mjtNum normal[3];  // n(τ), from geom[0] to geom[1]
-  mjtNum gap;        // gap(τ) [m]
+  Vector3 normal;  // n(τ), from geom[0] to geom[1]
+  mjtNum gap;      // gap(τ) [m]
   RowSegment segment[2];
 };
 
@@ -41,7 +41,7 @@ struct IslandSystem {
 
 // Bytes of scratch that the island of the contacts at these positions takes.
 size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts, const int* position,
-                   int count);
+                   int count, Scratch& scratch);
 
 // Builds the rows at time τ on the path of `motion`.
 IslandSystem BuildIsland(const mjModel* m, const mjData* d, Gathered& contacts, const int* position,

@@ -14,7 +14,7 @@ int TupleOf(const mjModel* m, int instance) {
 }  // namespace
 
 Ownership::Ownership(const mjModel* m, int instance)
-    : geoms_(nullptr), size_(static_cast<int>(m->ngeom)) {
+    : m_(m), instance_(instance), geoms_(nullptr), size_(static_cast<int>(m->ngeom)) {
   const int tuple = TupleOf(m, instance);
   if (tuple < 0) return;
   geoms_ = m->tuple_objid + m->tuple_adr[tuple];
@@ -23,10 +23,22 @@ Ownership::Ownership(const mjModel* m, int instance)
 
 int Ownership::Index(int geom) const {
   if (!geoms_) return geom;
+  // geoms that were added in a row, as most are
+  const int guess = size_ > 0 ? geom - geoms_[0] : -1;
+  if (guess >= 0 && guess < size_ && geoms_[guess] == geom) return guess;
   for (int i = 0; i < size_; ++i) {
     if (geoms_[i] == geom) return i;
   }
   return -1;
+}
+
+bool Ownership::Owns(const mjContact& contact) const {
+  if (!Touches(contact)) return false;
+  for (int other = 0; other < instance_; ++other) {
+    const bool ours = m_->plugin[other] == m_->plugin[instance_];
+    if (ours && Ownership(m_, other).Touches(contact)) return false;
+  }
+  return true;
 }
 
 int OwnedCapacity(const mjModel* m, int instance) {

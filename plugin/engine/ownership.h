@@ -3,7 +3,8 @@
 //
 // A contact is ours if MuJoCo detected it and left it out of its solver because of a negative
 // margin (exclude = 1, no constraint row), and one of its geoms is in the tuple that bears the
-// instance's name. Without such a tuple every geom is owned.
+// instance's name. Without such a tuple every geom is owned. A contact between geoms of two
+// instances belongs to the first of them alone.
 
 #ifndef MUJOCO_IMPACT_ENGINE_OWNERSHIP_H_
 #define MUJOCO_IMPACT_ENGINE_OWNERSHIP_H_
@@ -25,11 +26,15 @@ class Ownership {
   // Geom at a position of that order.
   int Geom(int index) const { return geoms_ ? geoms_[index] : index; }
 
-  bool Owns(const mjContact& contact) const {
+  bool Owns(const mjContact& contact) const;
+
+ private:
+  bool Touches(const mjContact& contact) const {
     return Index(contact.geom[0]) >= 0 || Index(contact.geom[1]) >= 0;
   }
 
- private:
+  const mjModel* m_;
+  int instance_;
   const int* geoms_;  // null: all
   int size_;
 };

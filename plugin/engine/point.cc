@@ -9,9 +9,8 @@ namespace mujoco_impact::engine {
 namespace {
 
 // Velocity of a point at `offset` from the origin of the axis, per unit of its motion.
-void AxisTimes(const mjtNum axis[6], const mjtNum offset[3], mjtNum column[3]) {
-  mju_cross(column, axis, offset);
-  mju_addTo3(column, axis + 3);
+Vector3 AxisTimes(const mjtNum axis[6], const Vector3& offset) {
+  return Load(axis + 3) + Cross(Load(axis), offset);
 }
 
 // Rate of the axis of a degree of freedom. The axes of a quaternion joint turn with the body
@@ -20,8 +19,13 @@ void AxisVelocity(const mjModel* m, const mjData* d, int dof, mjtNum axis_dot[6]
   if (TurnsWithBody(m, dof)) {
     SpatialCross(d->cvel + 6 * m->dof_bodyid[dof], d->cdof + 6 * dof, axis_dot);
   } else {
-    mju_copy(axis_dot, d->cdof_dot + 6 * dof, 6);
+    Store(Load(d->cdof_dot + 6 * dof), axis_dot);
+    Store(Load(d->cdof_dot + 6 * dof + 3), axis_dot + 3);
   }
+}
+
+Vector3 Origin(const mjModel* m, const mjData* d, int body) {
+  return Load(d->subtree_com + 3 * m->body_rootid[body]);
 }
 
 }  // namespace
@@ -31,82 +35,58 @@ int LastDof(const mjModel* m, int body) {
   return m->body_dofnum[body] ? m->body_dofadr[body] + m->body_dofnum[body] - 1 : -1;
 }
 
-void PointVelocity(const mjModel* m, const mjData* d, const BodyPoint& point, mjtNum velocity[3]) {
-  const mjtNum* com = d->subtree_com + 3 * m->body_rootid[point.body];
-  const mjtNum* v = d->cvel + 6 * point.body;
-  mjtNum offset[3];
-  mju_sub3(offset, point.position, com);
-  mju_cross(velocity, v, offset);
-  mju_addTo3(velocity, v + 3);
-}
-
 PointDerivatives PointMotion(const mjModel* m, const mjData* d, const BodyPoint& point,
                              const Motion& motion, bool turning) {
-  mjtNum offset[3], point_velocity[3];
-  mju_sub3(offset, point.position, d->subtree_com + 3 * m->body_rootid[point.body]);
-  PointVelocity(m, d, point, point_velocity);
+  const Vector3 offset = point.position - Origin(m, d, point.body);
+  const Vector3 point_velocity = PointVelocity(m, d, point);
   PointDerivatives result{};
   for (int i = LastDof(m, point.body); i >= 0; i = m->dof_parentid[i]) {
-    mjtNum column[3], axis_dot[6], past[3];
-    AxisTimes(d->cdof + 6 * i, offset, column);
-    mju_addToScl3(result.velocity, column, motion.velocity[i]);
-    mju_addToScl3(result.acceleration, column, motion.acceleration[i]);
-    mju_addToScl3(result.jerk, column, motion.jerk[i]);
+    const mjtNum V = motion.velocity[i];
+    const Vector3 column = AxisTimes(d->cdof + 6 * i, offset);
+    result.velocity += V * column;
+    result.acceleration += motion.acceleration[i] * column;
+    result.jerk += motion.jerk[i] * column;
     if (!turning) continue;
     // J̇: the axis turns, and the point moves past it
+    mjtNum axis_dot[6];
     AxisVelocity(m, d, i, axis_dot);
-    AxisTimes(axis_dot, offset, column);
-    mju_cross(past, d->cdof + 6 * i, point_velocity);
-    mju_addToScl3(result.acceleration, column, motion.velocity[i]);
-    mju_addToScl3(result.acceleration, past, motion.velocity[i]);
+    const Vector3 past = Cross(Load(d->cdof + 6 * i), point_velocity);
+    result.acceleration += V * (AxisTimes(axis_dot, offset) + past);
   }
   return result;
 }
 
-void MovePoint(const PointDerivatives& derivatives, mjtNum tau, mjtNum x[3]) {
-  mju_addToScl3(x, derivatives.velocity, tau);
-  mju_addToScl3(x, derivatives.acceleration, tau * tau / 2);
-  mju_addToScl3(x, derivatives.jerk, tau * tau * tau / 6);
-}
-
-void AddRow(const mjModel* m, const mjData* d, const BodyPoint& point, const mjtNum normal[3],
+void AddRow(const mjModel* m, const mjData* d, const BodyPoint& point, const Vector3& normal,
             mjtNum sign, mjtNum* row) {
   const int last = LastDof(m, point.body);
   if (last < 0) return;
   const int begin = m->tree_dofadr[m->dof_treeid[last]];
-  mjtNum offset[3], column[3];
-  mju_sub3(offset, point.position, d->subtree_com + 3 * m->body_rootid[point.body]);
+  const Vector3 offset = point.position - Origin(m, d, point.body);
   for (int i = last; i >= 0; i = m->dof_parentid[i]) {
-    AxisTimes(d->cdof + 6 * i, offset, column);
-    row[i - begin] += sign * mju_dot3(normal, column);
+    row[i - begin] += sign * Dot(normal, AxisTimes(d->cdof + 6 * i, offset));
   }
 }
 
 void AddRowAt(const mjModel* m, const mjData* d, const BodyPoint& point, const Motion& motion,
-              mjtNum tau, const mjtNum moved[3], const mjtNum normal[3], mjtNum sign, mjtNum* row) {
+              mjtNum tau, const Vector3& moved, const Vector3& normal, mjtNum sign, mjtNum* row) {
   const int last = LastDof(m, point.body);
   if (last < 0) return;
   const int begin = m->tree_dofadr[m->dof_treeid[last]];
-  mjtNum offset[3];
-  mju_sub3(offset, moved, d->subtree_com + 3 * m->body_rootid[point.body]);
+  const Vector3 offset = moved - Origin(m, d, point.body);
   for (int i = last; i >= 0; i = m->dof_parentid[i]) {
-    mjtNum axis[6], turning[6], column[3];
-    mju_copy(axis, d->cdof + 6 * i, 6);
-    AxisVelocity(m, d, i, turning);
-    mju_addToScl(axis, turning, tau, 6);
+    mjtNum axis[6];
+    AxisVelocity(m, d, i, axis);
+    for (int j = 0; j < 6; ++j) axis[j] = d->cdof[6 * i + j] + tau * axis[j];
+    Vector3 column;
     if (IsFreeRotation(m, i)) {
       // the axis goes with the body: a force through the centre of a ball must never turn it
-      BodyPoint centre{m->dof_bodyid[i], {}};
-      mju_copy3(centre.position, d->xpos + 3 * centre.body);
+      const BodyPoint centre{m->dof_bodyid[i], Load(d->xpos + 3 * m->dof_bodyid[i])};
       const PointDerivatives path = PointMotion(m, d, centre, motion, true);
-      MovePoint(path, tau, centre.position);
-      mjtNum arm[3];
-      mju_sub3(arm, moved, centre.position);
-      mju_cross(column, axis, arm);
+      column = Cross(Load(axis), moved - (centre.position + Displacement(path, tau)));
     } else {
-      AxisTimes(axis, offset, column);
+      column = AxisTimes(axis, offset);
     }
-    row[i - begin] += sign * mju_dot3(normal, column);
+    row[i - begin] += sign * Dot(normal, column);
   }
 }
 

@@ -9,42 +9,49 @@
 #include <mujoco/mujoco.h>
 
 #include "engine/motion.h"
+#include "engine/vector3.h"
 
 namespace mujoco_impact::engine {
 
 // A point fixed to a body, world frame.
 struct BodyPoint {
   int body;
-  mjtNum position[3];  // [m]
+  Vector3 position;  // [m]
 };
 
 // Last degree of freedom that moves the body, −1 for a static one.
 int LastDof(const mjModel* m, int body);
 
 // Velocity of the point by mjData.cvel, without a Jacobian.
-void PointVelocity(const mjModel* m, const mjData* d, const BodyPoint& point, mjtNum velocity[3]);
+inline Vector3 PointVelocity(const mjModel* m, const mjData* d, const BodyPoint& point) {
+  const Vector3 com = Load(d->subtree_com + 3 * m->body_rootid[point.body]);
+  const mjtNum* v = d->cvel + 6 * point.body;
+  return Load(v + 3) + Cross(Load(v), point.position - com);
+}
 
 // Derivatives of the position of a point along the path of a Motion, world frame.
 struct PointDerivatives {
-  mjtNum velocity[3];      // J V
-  mjtNum acceleration[3];  // J a, + J̇ V if the point turns with its body
-  mjtNum jerk[3];          // J b
+  Vector3 velocity;      // J V
+  Vector3 acceleration;  // J a, + J̇ V if the point turns with its body
+  Vector3 jerk;          // J b
 };
 
 PointDerivatives PointMotion(const mjModel* m, const mjData* d, const BodyPoint& point,
                              const Motion& motion, bool turning);
 
-// x + velocity τ + acceleration τ²/2 + jerk τ³/6
-void MovePoint(const PointDerivatives& derivatives, mjtNum tau, mjtNum x[3]);
+// How far the point gets by τ: velocity τ + acceleration τ²/2 + jerk τ³/6.
+inline Vector3 Displacement(const PointDerivatives& x, mjtNum tau) {
+  return tau * (x.velocity + tau / 2 * (x.acceleration + tau / 3 * x.jerk));
+}
 
 // Adds sign · nᵀ J to `row`, the segment of the dofs of the tree of `point`: J where the point is.
-void AddRow(const mjModel* m, const mjData* d, const BodyPoint& point, const mjtNum normal[3],
+void AddRow(const mjModel* m, const mjData* d, const BodyPoint& point, const Vector3& normal,
             mjtNum sign, mjtNum* row);
 
 // The same at the time τ on the path of `motion`, by which the point has moved to `moved` and the
 // axes have turned and gone along with their bodies.
 void AddRowAt(const mjModel* m, const mjData* d, const BodyPoint& point, const Motion& motion,
-              mjtNum tau, const mjtNum moved[3], const mjtNum normal[3], mjtNum sign, mjtNum* row);
+              mjtNum tau, const Vector3& moved, const Vector3& normal, mjtNum sign, mjtNum* row);
 
 }  // namespace mujoco_impact::engine
 

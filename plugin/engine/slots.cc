@@ -46,12 +46,11 @@ Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, co
   pulse.alpha = impact.alpha;
   pulse.duration = impact.duration;
   pulse.restitution = config.waveform_restitution;
-  mju_copy3(pulse.normal, row.normal);
+  Store(row.normal, pulse.normal);
   for (int side = 0; side < 2; ++side) {
     const BodyPoint& point = row.path.side(side);
-    mjtNum offset[3];
-    mju_sub3(offset, point.position, d->xpos + 3 * point.body);
-    mju_mulMatTVec3(pulse.point[side], d->xmat + 9 * point.body, offset);
+    const Vector3 offset = point.position - Load(d->xpos + 3 * point.body);
+    Store(RotateBack(d->xmat + 9 * point.body, offset), pulse.point[side]);
     pulse.geom[side] = row.contact->geom[side];
   }
   return pulse;

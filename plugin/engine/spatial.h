@@ -6,15 +6,15 @@
 
 #include <mujoco/mujoco.h>
 
+#include "engine/vector3.h"
+
 namespace mujoco_impact::engine {
 
 // Rate of a motion axis that moves with velocity v: v × axis.
 inline void SpatialCross(const mjtNum v[6], const mjtNum axis[6], mjtNum result[6]) {
-  mjtNum part[3];
-  mju_cross(result, v, axis);
-  mju_cross(result + 3, v, axis + 3);
-  mju_cross(part, v + 3, axis);
-  mju_addTo3(result + 3, part);
+  const Vector3 turning = Load(v), rotation = Load(axis);
+  Store(Cross(turning, rotation), result);
+  Store(Cross(turning, Load(axis + 3)) + Cross(Load(v + 3), rotation), result + 3);
 }
 
 // A translation of a free joint, whose axis is fixed in the world.

@@ -3,6 +3,7 @@
 #include "engine/state.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/config.h"
 #include "engine/ownership.h"
@@ -18,6 +19,46 @@ constexpr int kPulseSize = sizeof(Pulse) / sizeof(mjtNum);
 
 // A row of n balls has n − 1 contacts; two a geom leaves room for overlapping pulses and clusters.
 int SlotNumber(int capacity) { return 2 * capacity + 2; }
+
+// Pulses that a simulation may have; serial numbers stay exact in doubles far beyond.
+constexpr double kMaxCount = 1e15;
+
+bool IsCount(double number, double most) {
+  return number >= 0 && number <= most && number == std::floor(number);
+}
+
+// Whether the header is one that Reset wrote for a state of this size, and the steps since.
+bool IsHeader(const Header& header, int size, int nv) {
+  // what is no count must not become an int
+  if (header.version != kVersion || !IsCount(header.capacity, size)) return false;
+  const int capacity = static_cast<int>(header.capacity);
+  return State::Size(capacity, nv) == size && header.slot_number == SlotNumber(capacity) &&
+         header.slot_size == kPulseSize &&
+         header.slot_offset == kHeaderSize + capacity * kRecordSize &&
+         IsCount(header.count, kMaxCount) && IsCount(header.active, header.slot_number) &&
+         IsCount(header.pending_pulses, kMaxCount) && std::isfinite(header.clock) &&
+         header.touch >= 0;
+}
+
+bool IsGeom(const mjModel* m, double number) {
+  return IsCount(number, static_cast<double>(m->ngeom) - 1);
+}
+
+// Whether the slot holds nothing, or a pulse between geoms of the model.
+bool IsPulse(const mjModel* m, const Pulse& pulse) {
+  if (pulse.serial == 0) return true;
+  const double* numbers = reinterpret_cast<const double*>(&pulse);
+  const bool finite =
+      std::all_of(numbers, numbers + kPulseSize, [](double x) { return std::isfinite(x); });
+  return finite && IsGeom(m, pulse.geom[0]) && IsGeom(m, pulse.geom[1]) && pulse.duration > 0 &&
+         pulse.restitution >= 0;
+}
+
+void WarnOfReset() {
+  mju_warning(
+      "mujoco_impact.waveform: plugin_state is damaged or that of another model; it is reset, and "
+      "pulses under way in it are lost");
+}
 
 }  // namespace
 
@@ -41,10 +82,19 @@ State::State(const mjModel* m, mjData* d, int instance) {
   mjtNum* numbers = d->plugin_state + m->plugin_stateadr[instance];
   const int nv = static_cast<int>(m->nv);
   header_ = reinterpret_cast<Header*>(numbers);
-  if (header_->version != kVersion || Size(capacity(), nv) != m->plugin_statenum[instance]) {
+  if (!IsHeader(*header_, m->plugin_statenum[instance], nv)) {
+    // all zeros is a state that has not begun
+    if (header_->version != 0) WarnOfReset();
     Reset(m, numbers, instance);
   }
   Bind(numbers, nv);
+}
+
+void State::ResetUnlessSound(const mjModel* m, int instance) {
+  if (std::all_of(pulses_, pulses_ + slots(), [m](const Pulse& p) { return IsPulse(m, p); }))
+    return;
+  WarnOfReset();
+  Reset(m, reinterpret_cast<mjtNum*>(header_), instance);
 }
 
 void State::Bind(mjtNum* numbers, int nv) {

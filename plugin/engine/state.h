@@ -69,8 +69,12 @@ class State {
   // Sets every number of the state of `instance`.
   static void Reset(const mjModel* m, mjtNum* plugin_state, int instance);
 
-  // Binds to the state in `d`; one that was not written by Reset is reset first.
+  // Binds to the state in `d`; one that was not written by Reset is reset first, with a warning.
   State(const mjModel* m, mjData* d, int instance);
+
+  // Resets the state with a warning unless every pulse is one between geoms of the model: not so if
+  // it was restored from another model of the same sizes, or damaged.
+  void ResetUnlessSound(const mjModel* m, int instance);
 
   Header& header() { return *header_; }
   const Header& header() const { return *header_; }

@@ -13,12 +13,25 @@
 
 namespace mujoco_impact::engine {
 
+namespace {
+
+// Bytes of mjData's stack that a step with impacts takes besides those of its islands: at most
+// this many vectors of the length of each, MuJoCo's own in the functions we call included.
+size_t StepBytes(const mjModel* m, const mjData* d) {
+  constexpr size_t kVectors = 32;
+  const size_t numbers = m->nq + m->nv + m->nbody + m->ntree + m->nu;
+  return kVectors * numbers * sizeof(mjtNum) + d->ncon * (sizeof(ContactAnchor) + kVectors * 4);
+}
+
+}  // namespace
+
 void ComputeStep(const mjModel* m, mjData* d, int instance) {
   State state(m, d, instance);
   if (IsLaterStage(m, d, state)) {
     ApplyHeldForce(m, d, state);
     return;
   }
+  if (state.header().active > 0 || state.header().pending != 0) state.ResetUnlessSound(m, instance);
   OpenStage(m, d, state);
   DiscardPending(state);
   const bool pulses = state.header().active > 0;
@@ -26,6 +39,12 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   if (!pulses && !closing) return;
 
   Scratch scratch(d);
+  if (!scratch.Fits(StepBytes(m, d))) {
+    mju_warning(
+        "mujoco_impact.waveform: the impacts of a step need more memory than mjData has left and "
+        "wait; raise <size memory=\"...\"/> in the model");
+    return;
+  }
   Delivery delivery = MakeDelivery(m, scratch);
   if (pulses) DeliverActive(m, d, state, delivery, scratch);
   if (closing) ResolveImpacts(m, d, instance, state, delivery, scratch);

@@ -34,9 +34,8 @@ void DrawPulses(const mjModel* m, mjData* d, const mjvOption* option, mjvScene* 
     const mjtNum part = pulse.delivered_next - pulse.delivered;
     if (part <= 0) continue;
     mjtNum from[3], force[3];
-    PulsePoint(m, d, pulse, 1, from);
-    PulseNormal(m, d, pulse, force);
-    mju_scl3(force, force, part * pulse.impulse / m->opt.timestep);
+    Store(PulsePoint(m, d, pulse, 1), from);
+    Store(part * pulse.impulse / m->opt.timestep * PulseNormal(m, d, pulse), force);
     DrawArrow(m, from, force, scene);
   }
 }

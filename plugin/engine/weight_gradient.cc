@@ -2,6 +2,8 @@
 
 #include "engine/weight_gradient.h"
 
+#include <algorithm>
+
 #include "engine/spatial.h"
 
 namespace mujoco_impact::engine {
@@ -12,17 +14,21 @@ namespace {
 // the point that MuJoCo's motion axes of the tree refer to.
 class DisplacedTree {
  public:
-  DisplacedTree(const mjModel* m, mjData* d, int tree, const mjtNum* u, Scratch& scratch)
+  static int Numbers(int bodies, int dofs) { return 18 * bodies + 6 * dofs; }
+
+  // `work` has room for its numbers.
+  DisplacedTree(const mjModel* m, const mjData* d, int tree, const mjtNum* u, mjtNum* work)
       : m_(m),
         d_(d),
         first_(m->tree_bodyadr[tree]),
         number_(m->tree_bodynum[tree]),
         origin_(d->subtree_com + 3 * m->body_rootid[first_]),
-        displacement_(scratch.Zeros(6 * number_)),
-        weight_(scratch.Zeros(6 * number_)),
-        weight_change_(scratch.Zeros(6 * number_)),
-        axis_change_(scratch.Zeros(6 * m->tree_dofnum[tree])),
+        displacement_(work),
+        weight_(displacement_ + 6 * number_),
+        weight_change_(weight_ + 6 * number_),
+        axis_change_(weight_change_ + 6 * number_),
         first_dof_(m->tree_dofadr[tree]) {
+    mju_zero(work, Numbers(number_, m->tree_dofnum[tree]));
     for (int i = 0; i < number_; ++i) Displace(i, u);
     for (int i = number_ - 1; i > 0; --i) PassToParent(i);
   }
@@ -68,15 +74,15 @@ class DisplacedTree {
   }
 
   void Weigh(int body, int i) {
-    mjtNum arm[3], centre_moved[3], force[3];
-    mju_sub3(arm, d_->xipos + 3 * body, origin_);
+    const mjtNum* moved = displacement_ + 6 * i;
+    const Vector3 arm = Load(d_->xipos + 3 * body) - Load(origin_);
     // δx = δtranslation + δrotation × arm
-    mju_cross(centre_moved, displacement_ + 6 * i, arm);
-    mju_addTo3(centre_moved, displacement_ + 6 * i + 3);
-    mju_scl3(force, m_->opt.gravity, m_->body_mass[body] * (1 - m_->body_gravcomp[body]));
-    mju_cross(weight_ + 6 * i, arm, force);
-    mju_copy3(weight_ + 6 * i + 3, force);
-    mju_cross(weight_change_ + 6 * i, centre_moved, force);
+    const Vector3 centre_moved = Load(moved + 3) + Cross(Load(moved), arm);
+    const mjtNum mass = m_->body_mass[body] * (1 - m_->body_gravcomp[body]);
+    const Vector3 force = mass * Load(m_->opt.gravity);
+    Store(Cross(arm, force), weight_ + 6 * i);
+    Store(force, weight_ + 6 * i + 3);
+    Store(Cross(centre_moved, force), weight_change_ + 6 * i);
   }
 
   void PassToParent(int i) {
@@ -108,10 +114,16 @@ PathWeights DetourWeights(const mjModel* m) {
 
 void AddWeightGradient(const mjModel* m, mjData* d, const mjtNum* u, mjtNum* result) {
   if (m->opt.disableflags & mjDSBL_GRAVITY) return;
+  Scratch scratch(d);
+  int bodies = 0, dofs = 0;
+  for (int tree = 0; tree < m->ntree; ++tree) {
+    bodies = std::max(bodies, static_cast<int>(m->tree_bodynum[tree]));
+    dofs = std::max(dofs, static_cast<int>(m->tree_dofnum[tree]));
+  }
+  mjtNum* work = scratch.Take<mjtNum>(DisplacedTree::Numbers(bodies, dofs));
   for (int tree = 0; tree < m->ntree; ++tree) {
     if (mju_isZero(u + m->tree_dofadr[tree], m->tree_dofnum[tree])) continue;
-    Scratch scratch(d);
-    DisplacedTree(m, d, tree, u, scratch).AddForces(u, result);
+    DisplacedTree(m, d, tree, u, work).AddForces(u, result);
   }
 }
 

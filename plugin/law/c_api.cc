@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "law/calibrated.h"
+#include "law/friction.h"
 #include "law/hertz_contact.h"
 #include "law/impact_law.h"
 #include "law/passivity.h"
@@ -74,6 +75,18 @@ MUJOCO_IMPACT_API double mujoco_impact_calibrated_duration(double sw, double w0,
 MUJOCO_IMPACT_API double mujoco_impact_calibrated_impulse(double sh, double sw, double w0,
                                                           double kappa, double momentum) {
   return law::CalibratedImpulse({sh, sw, w0, kappa}, momentum);
+}
+
+// Q of friction.h for `size` contacts.
+MUJOCO_IMPACT_API void mujoco_impact_friction_impulse(int size, const double* static_factor,
+                                                      const double* dynamic_factor,
+                                                      const double* normal_momentum,
+                                                      const double* slip_momentum,
+                                                      const double* impulse, double* friction) {
+  for (int k = 0; k < size; ++k) {
+    friction[k] = law::FrictionImpulse({static_factor[k], dynamic_factor[k]}, normal_momentum[k],
+                                       slip_momentum[k], impulse[k]);
+  }
 }
 
 // min(1, s*) of passivity.h.

@@ -6,8 +6,9 @@
 #include <cmath>
 
 #include "law/impact_clock.h"
+#include "law/lanes.h"
+#include "law/pair.h"
 #include "law/single_impact.h"
-#include "law/window.h"
 
 namespace mujoco_impact::law {
 
@@ -34,28 +35,30 @@ class Integrator {
   Integrator(const ImpactProblem& problem, ImpactSolution* solution, const Workspace& workspace);
   ImpactReport Run();
 
-  static constexpr int kArrays = 14;
+  static constexpr int kArrays = 12;
 
  private:
   void EvaluateStage(const double* y, int stage);
   double TryStep(double h);
   double FractionToTurn() const;
   void Accept(double h);
+  void NoteOnsets();
   void UpdatePhases();
+  void SetRates();
   void MoveWindow();
   int ClosingAlone() const;
-  void CollideAlone(int k);
+  void CollideAlone(int i);
 
   const ImpactProblem& problem_;
   ImpactSolution& solution_;
-  const int n_;
   const ImpactScale scale_;
   const bool lossless_;
   const bool drops_expansion_;
-  Window window_;
+  Lanes lanes_;
   double t_ = 0;
 
-  double *y_, *c_, *rate_;  // state; rate is dy/dt over c: 1, or 1/e² while expanding
+  // by lane
+  double* rate_;  // dy/dt over c: 1, or 1/e² while expanding
   double *y_new_, *c_new_, *y_stage_;
   double *force_[4], *pull_[4];  // F and W F at the four stages
 };
@@ -64,185 +67,198 @@ Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution,
                        const Workspace& workspace)
     : problem_(problem),
       solution_(*solution),
-      n_(problem.delassus.size),
       scale_(MeasureScale(problem)),
       lossless_(problem.restitution == 1),
       drops_expansion_(problem.restitution < kNoExpansion),
-      window_(problem, *solution, scale_,
-              {workspace.numbers + kArrays * problem.delassus.size, workspace.indices}) {
-  double* numbers = workspace.numbers;
-  double** const arrays[kArrays] = {&y_,       &c_,        &rate_,     &y_new_,    &c_new_,
-                                    &y_stage_, &force_[0], &force_[1], &force_[2], &force_[3],
-                                    &pull_[0], &pull_[1],  &pull_[2],  &pull_[3]};
-  for (double** array : arrays) {
-    *array = numbers;
-    numbers += n_;
-  }
-  for (int k = 0; k < n_; ++k) {
-    y_[k] = -problem.gap[k];
-    c_[k] = problem.closing_speed[k];
-    rate_[k] = 1;
-    solution_.impulse[k] = solution_.moment[k] = solution_.onset[k] = 0;
-    for (double* force : force_) force[k] = 0;
-  }
+      lanes_(problem, *solution, scale_, kArrays, workspace) {
+  double** const arrays[kArrays] = {&rate_,     &y_new_,    &c_new_,    &y_stage_,
+                                    &force_[0], &force_[1], &force_[2], &force_[3],
+                                    &pull_[0],  &pull_[1],  &pull_[2],  &pull_[3]};
+  for (double** array : arrays) *array = lanes_.Take();
+  std::fill_n(rate_, problem.delassus.size + 1, 1.0);
+  EvaluateStage(lanes_.y, 0);
 }
 
-// F_k = K_k y_k³ᐟ² and the deceleration W F it causes.
+// F_k = K_k y_k³ᐟ² of the lanes at i.
+inline Pair Force(const double* stiffness, Pair y, int i) {
+  const Pair pressed = Max(y, Pair{});
+  return At(stiffness + i) * pressed * Sqrt(pressed);
+}
+
+// Forces and the deceleration W F that they cause.
 void Integrator::EvaluateStage(const double* y, int stage) {
-  const DelassusMatrix& W = problem_.delassus;
-  double* F = force_[stage];
-  for (int i = 0; i < window_.size(); ++i) {
-    const int k = window_[i];
-    F[k] = y[k] > 0 ? problem_.stiffness[k] * y[k] * std::sqrt(y[k]) : 0;
+  for (int i = 0, end = lanes_.padded(); i < end; i += 2) {
+    At(force_[stage] + i) = Force(lanes_.stiffness, At(y + i), i);
   }
-  for (int i = 0; i < window_.size(); ++i) pull_[stage][window_[i]] = RowTimes(W, window_[i], F);
+  lanes_.Multiply(force_[stage], pull_[stage]);
 }
 
 // Advances y, c by h into y_new, c_new and returns the error in units of the tolerance.
 double Integrator::TryStep(double h) {
+  const double *y = lanes_.y, *c = lanes_.c, *K = lanes_.stiffness, *rate = rate_;
   const double *g1 = pull_[0], *g2 = pull_[1], *g3 = pull_[2], *g4 = pull_[3];
+  double *F2 = force_[1], *F3 = force_[2], *F4 = force_[3];
   const double hh = h * h;
-  const int size = window_.size();
-  for (int i = 0; i < size; ++i) {
-    const int k = window_[i];
-    y_stage_[k] = y_[k] + rate_[k] * (kNode2 * h * c_[k] - hh * kStage2 * g1[k]);
+  const int size = lanes_.padded();
+  for (int i = 0; i < size; i += 2) {
+    const Pair g = hh * kStage2 * At(g1 + i);
+    At(F2 + i) = Force(K, At(y + i) + At(rate + i) * (kNode2 * h * At(c + i) - g), i);
   }
-  EvaluateStage(y_stage_, 1);
-  for (int i = 0; i < size; ++i) {
-    const int k = window_[i];
-    const double g = kStage3[0] * g1[k] + kStage3[1] * g2[k];
-    y_stage_[k] = y_[k] + rate_[k] * (kNode3 * h * c_[k] - hh * g);
+  lanes_.Multiply(F2, pull_[1]);
+  for (int i = 0; i < size; i += 2) {
+    const Pair g = hh * (kStage3[0] * At(g1 + i) + kStage3[1] * At(g2 + i));
+    At(F3 + i) = Force(K, At(y + i) + At(rate + i) * (kNode3 * h * At(c + i) - g), i);
   }
-  EvaluateStage(y_stage_, 2);
-  for (int i = 0; i < size; ++i) {
-    const int k = window_[i];
-    const double g = kPosition[0] * g1[k] + kPosition[1] * g2[k] + kPosition[2] * g3[k];
-    y_new_[k] = y_[k] + rate_[k] * (h * c_[k] - hh * g);
+  lanes_.Multiply(F3, pull_[2]);
+  for (int i = 0; i < size; i += 2) {
+    const Pair g =
+        hh * (kPosition[0] * At(g1 + i) + kPosition[1] * At(g2 + i) + kPosition[2] * At(g3 + i));
+    const Pair y_new = At(y + i) + At(rate + i) * (h * At(c + i) - g);
+    At(y_new_ + i) = y_new;
+    At(F4 + i) = Force(K, y_new, i);
   }
-  EvaluateStage(y_new_, 3);
-  double y_error = 0, c_error = 0;
-  for (int i = 0; i < size; ++i) {
-    const int k = window_[i];
-    c_new_[k] = c_[k] - h * (kVelocity[0] * g1[k] + kVelocity[1] * g2[k] + kVelocity[2] * g3[k] +
-                             kVelocity[3] * g4[k]);
-    const double dy = kPositionError[0] * g1[k] + kPositionError[1] * g2[k] +
-                      kPositionError[2] * g3[k] + kPositionError[3] * g4[k];
-    const double dc = kVelocityError[0] * g1[k] + kVelocityError[1] * g2[k] +
-                      kVelocityError[2] * g3[k] + kVelocityError[3] * g4[k];
-    y_error = std::max(y_error, rate_[k] * std::abs(dy));
-    c_error = std::max(c_error, std::abs(dc));
+  lanes_.Multiply(F4, pull_[3]);
+  Pair y_error{}, c_error{};
+  for (int i = 0; i < size; i += 2) {
+    const Pair a = At(g1 + i), b = At(g2 + i), d = At(g3 + i), e = At(g4 + i);
+    At(c_new_ + i) =
+        At(c + i) - h * (kVelocity[0] * a + kVelocity[1] * b + kVelocity[2] * d + kVelocity[3] * e);
+    const Pair dy = kPositionError[0] * a + kPositionError[1] * b + kPositionError[2] * d +
+                    kPositionError[3] * e;
+    const Pair dc = kVelocityError[0] * a + kVelocityError[1] * b + kVelocityError[2] * d +
+                    kVelocityError[3] * e;
+    y_error = Max(y_error, At(rate + i) * Abs(dy));
+    c_error = Max(c_error, Abs(dc));
   }
-  return std::max(hh * y_error / scale_.compression, h * c_error / scale_.speed) /
+  return std::max(hh * Larger(y_error) / scale_.compression, h * Larger(c_error) / scale_.speed) /
          problem_.tolerance;
 }
 
 // Part of the step tried after which the first compressed contact turns from compression to
 // expansion or back; 1 if none does. The rate of y changes there, so the step must end there.
 double Integrator::FractionToTurn() const {
+  const double* c = lanes_.c;
   const double c_floor = kSpeedFloor * scale_.speed;
   double fraction = 1;
-  for (int i = 0; i < window_.size(); ++i) {
-    const int k = window_[i];
-    const bool turned = c_[k] * c_new_[k] < 0 && std::abs(c_new_[k]) > c_floor;
-    if (y_new_[k] > 0 && turned) fraction = std::min(fraction, c_[k] / (c_[k] - c_new_[k]));
+  for (int i = 0; i < lanes_.size(); ++i) {
+    const bool turned = c[i] * c_new_[i] < 0 && std::abs(c_new_[i]) > c_floor;
+    if (y_new_[i] > 0 && turned) fraction = std::min(fraction, c[i] / (c[i] - c_new_[i]));
   }
   return fraction;
 }
 
-void Integrator::Accept(double h) {
-  const double *F1 = force_[0], *F2 = force_[1], *F3 = force_[2], *F4 = force_[3];
-  for (int i = 0; i < window_.size(); ++i) {
-    const int k = window_[i];
-    const double dP = h * (kVelocity[0] * F1[k] + kVelocity[1] * F2[k] + kVelocity[2] * F3[k] +
-                           kVelocity[3] * F4[k]);
-    if (dP > 0) {
-      // ∫ t F over the step = (t + h) ΔP − ∫ (h − s) F ds
-      const double remaining =
-          h * h * (kPosition[0] * F1[k] + kPosition[1] * F2[k] + kPosition[2] * F3[k]);
-      solution_.moment[k] += (t_ + h) * dP - remaining;
-      if (solution_.impulse[k] == 0) solution_.onset[k] = t_;
-      solution_.impulse[k] += dP;
+// Contacts whose first force comes in the step that begins at t.
+void Integrator::NoteOnsets() {
+  for (int i = 0; i < lanes_.size(); ++i) {
+    if (lanes_.impulse[i] > 0) continue;
+    if (force_[1][i] > 0 || force_[2][i] > 0 || force_[3][i] > 0) {
+      solution_.onset[lanes_.contact(i)] = t_;
     }
-    y_[k] = y_new_[k];
-    c_[k] = c_new_[k];
   }
-  std::swap(force_[0], force_[3]);
-  std::swap(pull_[0], pull_[3]);
-  t_ += h;
 }
 
-// Sets the rate of expansion; a contact that may not expand drops its compression.
+void Integrator::Accept(double h) {
+  NoteOnsets();
+  const double *F1 = force_[0], *F2 = force_[1], *F3 = force_[2], *F4 = force_[3];
+  const double after = t_ + h, hh = h * h;
+  for (int i = 0, end = lanes_.padded(); i < end; i += 2) {
+    const Pair a = At(F1 + i), b = At(F2 + i), d = At(F3 + i);
+    const Pair dP =
+        h * (kVelocity[0] * a + kVelocity[1] * b + kVelocity[2] * d + kVelocity[3] * At(F4 + i));
+    // ∫ t F over the step = (t + h) ΔP − ∫ (h − s) F ds
+    const Pair remaining = hh * (kPosition[0] * a + kPosition[1] * b + kPosition[2] * d);
+    At(lanes_.moment + i) += after * dP - remaining;
+    At(lanes_.impulse + i) += dP;
+  }
+  std::swap(lanes_.y, y_new_);
+  std::swap(lanes_.c, c_new_);
+  std::swap(force_[0], force_[3]);
+  std::swap(pull_[0], pull_[3]);
+  t_ = after;
+}
+
+// After a step: a contact that opened within it did so at c, not at c/e²; no force depends on it.
 void Integrator::UpdatePhases() {
+  for (int i = 0; i < lanes_.size(); ++i) {
+    if (lanes_.y[i] < 0) lanes_.y[i] /= rate_[i];
+  }
+  SetRates();
+}
+
+// The rate of expansion; a contact that may not expand drops its compression.
+void Integrator::SetRates() {
   const double e = problem_.restitution;
   const double c_floor = kSpeedFloor * scale_.speed;
   bool dropped = false;
-  for (int i = 0; i < window_.size(); ++i) {
-    const int k = window_[i];
-    // a contact that opened within the step did so at c, not at c/e²; no force depends on it
-    if (y_[k] < 0) y_[k] /= rate_[k];
+  for (int i = 0; i < lanes_.size(); ++i) {
     // within the floor the sign that c is about to have decides
-    const double ahead = std::abs(c_[k]) < c_floor ? -pull_[0][k] : c_[k];
-    const bool expands = y_[k] > 0 && ahead < 0;
+    const double ahead = std::abs(lanes_.c[i]) < c_floor ? -pull_[0][i] : lanes_.c[i];
+    const bool expands = lanes_.y[i] > 0 && ahead < 0;
     if (expands && drops_expansion_) {
-      y_[k] = 0;
+      lanes_.y[i] = 0;
       dropped = true;
     }
-    rate_[k] = expands && !drops_expansion_ ? 1 / (e * e) : 1;
+    rate_[i] = expands && !drops_expansion_ ? 1 / (e * e) : 1;
   }
-  if (dropped) EvaluateStage(y_, 0);
+  if (dropped) EvaluateStage(lanes_.y, 0);
 }
 
-// The contact that has just closed, if nothing else happens until it opens again: no neighbour can
-// close under its impulse, no other contact closes by itself. −1 if something may.
+// The lane of the contact that has just closed, if nothing else happens until it opens again: no
+// neighbour can close under its impulse, no other contact closes by itself. −1 if something may.
 int Integrator::ClosingAlone() const {
   const DelassusMatrix& W = problem_.delassus;
+  const double *y = lanes_.y, *c = lanes_.c;
   int alone = -1;
-  for (int i = 0; i < window_.size(); ++i) {
-    const int k = window_[i];
-    if (y_[k] != 0 || c_[k] <= 0) continue;
+  for (int i = 0; i < lanes_.size(); ++i) {
+    if (y[i] != 0 || c[i] <= 0) continue;
     if (alone >= 0) return -1;
-    alone = k;
+    alone = i;
   }
   if (alone < 0) return -1;
-  const double mu = 1 / W.diagonal[alone];
+  const int k = lanes_.contact(alone);
   const SingleImpact single =
-      SolveSingleImpact(mu, c_[alone], problem_.stiffness[alone], problem_.restitution);
-  for (int a = W.row_start[alone]; a < W.row_start[alone + 1]; ++a) {
-    const int l = W.column[a];
+      SolveSingleImpact(1 / W.diagonal[k], c[alone], problem_.stiffness[k], problem_.restitution);
+  for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
+    const int i = lanes_.lane(W.column[a]);
+    if (i < 0 || i == alone) continue;
     // the impulse changes c by at most |W_kl| P
-    const double fastest = std::max(0.0, c_[l]) + std::abs(W.value[a]) * single.impulse;
-    if (l != alone && -y_[l] <= fastest * single.duration) return -1;
+    const double fastest = std::max(0.0, c[i]) + std::abs(W.value[a]) * single.impulse;
+    if (-y[i] <= fastest * single.duration) return -1;
   }
-  if (window_.NextArrival() <= t_ + single.duration) return -1;
-  for (int i = 0; i < window_.size(); ++i) {
-    const int l = window_[i];
-    if (l != alone && c_[l] > 0 && -y_[l] <= c_[l] * single.duration) return -1;
+  if (lanes_.window().NextArrival() <= t_ + single.duration) return -1;
+  for (int i = 0; i < lanes_.size(); ++i) {
+    if (i != alone && c[i] > 0 && -y[i] <= c[i] * single.duration) return -1;
   }
   return alone;
 }
 
-// The whole contact in closed form.
-void Integrator::CollideAlone(int k) {
+// The whole contact of lane i in closed form.
+void Integrator::CollideAlone(int i) {
   const DelassusMatrix& W = problem_.delassus;
-  const SingleImpact single =
-      SolveSingleImpact(1 / W.diagonal[k], c_[k], problem_.stiffness[k], problem_.restitution);
+  const int k = lanes_.contact(i);
+  const SingleImpact single = SolveSingleImpact(1 / W.diagonal[k], lanes_.c[i],
+                                                problem_.stiffness[k], problem_.restitution);
   const double P = single.impulse, T = single.duration;
-  if (solution_.impulse[k] == 0) solution_.onset[k] = t_;
-  solution_.impulse[k] += P;
-  solution_.moment[k] += t_ * P + single.moment;
-  for (int i = 0; i < window_.size(); ++i) y_[window_[i]] += c_[window_[i]] * T;
+  if (lanes_.impulse[i] == 0) solution_.onset[k] = t_;
+  lanes_.impulse[i] += P;
+  lanes_.moment[i] += t_ * P + single.moment;
+  for (int j = 0; j < lanes_.size(); ++j) lanes_.y[j] += lanes_.c[j] * T;
   for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
-    const int l = W.column[a];
+    const int j = lanes_.lane(W.column[a]);
+    if (j < 0) continue;
     // Δy = −W_kl ∫ (T − s) F ds
-    y_[l] -= W.value[a] * (T * P - single.moment);
-    c_[l] -= W.value[a] * P;
+    lanes_.y[j] -= W.value[a] * (T * P - single.moment);
+    lanes_.c[j] -= W.value[a] * P;
   }
-  y_[k] = 0;
+  lanes_.y[i] = 0;
   t_ += T;
 }
 
 void Integrator::MoveWindow() {
-  if (window_.Move(t_, y_, c_, force_, 4)) EvaluateStage(y_, 0);
+  LeaveLateClosings(problem_, scale_, t_, lanes_);
+  if (!lanes_.Move(t_)) return;
+  EvaluateStage(lanes_.y, 0);
+  if (!lossless_) SetRates();
 }
 
 ImpactReport Integrator::Run() {
@@ -250,16 +266,14 @@ ImpactReport Integrator::Run() {
   const double first_step = 0.05 * scale_.time;
   double h = first_step;
   ImpactReport report{0, true};
-  MoveWindow();
-  EvaluateStage(y_, 0);
   int turns = 0;
-  while (!IsOver(problem_, scale_, window_, t_, y_, c_)) {
+  while (!IsOver(problem_, scale_, lanes_, t_)) {
     if (report.steps == kMaxSteps) {
       report.converged = false;
       break;
     }
-    if (!AnyCompressed(window_, y_)) {
-      if (!FlyToNextClosing(problem_, scale_, window_, &t_, y_, c_)) break;
+    if (!AnyCompressed(lanes_)) {
+      if (!FlyToNextClosing(problem_, scale_, lanes_, &t_)) break;
       MoveWindow();
       if (const int alone = ClosingAlone(); alone >= 0) {
         CollideAlone(alone);
@@ -289,13 +303,14 @@ ImpactReport Integrator::Run() {
     h *= growth;
     ++report.steps;
   }
+  lanes_.Finish();
   SpeedsAfter(problem_, solution_);
   return report;
 }
 
 }  // namespace
 
-int CompressionWorkspace(int size) { return (Integrator::kArrays + Window::kArrays) * size; }
+int CompressionWorkspace(int size) { return Lanes::Numbers(size, Integrator::kArrays); }
 
 ImpactReport IntegrateCompression(const ImpactProblem& problem, ImpactSolution* solution,
                                   const Workspace& workspace) {

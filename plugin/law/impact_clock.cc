@@ -14,45 +14,61 @@ double LongestFlight(const ImpactProblem& problem, const ImpactScale& scale, dou
   return std::min(std::max(problem.flight, same_impact), problem.horizon + same_impact - t);
 }
 
-}  // namespace
-
-bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Window& window, double t,
-            const double* y, const double* c) {
-  const double y_floor = kCompressionFloor * scale.compression;
-  const double c_floor = kSpeedFloor * scale.speed;
-  const double time_left = LongestFlight(problem, scale, t);
-  for (int i = 0; i < window.size(); ++i) {
-    const int k = window[i];
-    if (y[k] > y_floor) return false;
-    const bool closes_in_time = y[k] >= 0 || -y[k] < c[k] * time_left;
-    if (c[k] > c_floor && closes_in_time) return false;
-  }
-  return window.NextArrival() >= t + time_left;
-}
-
-bool AnyCompressed(const Window& window, const double* y) {
-  for (int i = 0; i < window.size(); ++i) {
-    if (y[window[i]] > 0) return true;
+// Whether a contact that shares a body with the one of lane i is compressed.
+bool IsPressedFromBeside(const ImpactProblem& problem, const Lanes& lanes, int i) {
+  const DelassusMatrix& W = problem.delassus;
+  const int k = lanes.contact(i);
+  for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
+    const int beside = lanes.lane(W.column[a]);
+    if (beside >= 0 && beside != i && lanes.y[beside] > 0) return true;
   }
   return false;
 }
 
-bool FlyToNextClosing(const ImpactProblem& problem, const ImpactScale& scale, const Window& window,
-                      double* t, double* y, const double* c) {
+}  // namespace
+
+bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Lanes& lanes, double t) {
+  const double y_floor = kCompressionFloor * scale.compression;
+  const double c_floor = kSpeedFloor * scale.speed;
+  const double time_left = LongestFlight(problem, scale, t);
+  for (int i = 0; i < lanes.size(); ++i) {
+    const double y = lanes.y[i], c = lanes.c[i];
+    if (y > y_floor) return false;
+    const bool closes_in_time = y >= 0 || -y < c * time_left;
+    if (c > c_floor && closes_in_time) return false;
+  }
+  return lanes.window().NextArrival() >= t + time_left;
+}
+
+bool AnyCompressed(const Lanes& lanes) {
+  return std::any_of(lanes.y, lanes.y + lanes.size(), [](double y) { return y > 0; });
+}
+
+bool FlyToNextClosing(const ImpactProblem& problem, const ImpactScale& scale, Lanes& lanes,
+                      double* t) {
   const double longest = LongestFlight(problem, scale, *t);
-  double flight = std::min(longest, window.NextArrival() - *t);
+  double flight = std::min(longest, lanes.window().NextArrival() - *t);
   int next = -1;
-  for (int i = 0; i < window.size(); ++i) {
-    const int k = window[i];
-    if (c[k] <= 0 || -y[k] > flight * c[k]) continue;
-    flight = -y[k] / c[k];
-    next = k;
+  for (int i = 0; i < lanes.size(); ++i) {
+    if (lanes.c[i] <= 0 || -lanes.y[i] > flight * lanes.c[i]) continue;
+    flight = -lanes.y[i] / lanes.c[i];
+    next = i;
   }
   if (next < 0 && flight >= longest) return false;
-  for (int i = 0; i < window.size(); ++i) y[window[i]] += flight * c[window[i]];
-  if (next >= 0) y[next] = 0;
+  for (int i = 0; i < lanes.size(); ++i) lanes.y[i] += flight * lanes.c[i];
+  if (next >= 0) lanes.y[next] = 0;
   *t += flight;
   return true;
+}
+
+void LeaveLateClosings(const ImpactProblem& problem, const ImpactScale& scale, double t,
+                       Lanes& lanes) {
+  constexpr double kNever = -1e30;  // a compression that no speed makes up for [m]
+  if (t < problem.horizon + kSameImpactTimes * scale.time) return;
+  for (int i = 0; i < lanes.size(); ++i) {
+    const bool closes = lanes.y[i] < 0 && lanes.c[i] > 0;
+    if (closes && !IsPressedFromBeside(problem, lanes, i)) lanes.y[i] = kNever;
+  }
 }
 
 void SpeedsAfter(const ImpactProblem& problem, ImpactSolution& solution) {

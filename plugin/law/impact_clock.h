@@ -9,7 +9,7 @@
 
 #include "law/impact_problem.h"
 #include "law/impact_scale.h"
-#include "law/window.h"
+#include "law/lanes.h"
 
 namespace mujoco_impact::law {
 
@@ -23,16 +23,22 @@ constexpr double kSpeedFloor = 1e-6;
 // meanwhile.
 constexpr double kSameImpactTimes = 5;
 
-// Whether every contact has opened, or will not close in time; y, c at time t.
-bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Window& window, double t,
-            const double* y, const double* c);
+// Whether every contact has opened, or will not close in time, at time t.
+bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Lanes& lanes, double t);
 
-bool AnyCompressed(const Window& window, const double* y);
+bool AnyCompressed(const Lanes& lanes);
 
 // Flies to the next closing, no contact being compressed; false if none comes in time. A contact
 // that closes outside the window is let in by moving the window then.
-bool FlyToNextClosing(const ImpactProblem& problem, const ImpactScale& scale, const Window& window,
-                      double* t, double* y, const double* c);
+bool FlyToNextClosing(const ImpactProblem& problem, const ImpactScale& scale, Lanes& lanes,
+                      double* t);
+
+// Once the horizon has passed, leaves the contacts alone that would begin an impact of their own:
+// the bodies on both sides are in no other contact. Waves under way go on to their end; without
+// this a long row, in which something always closes soon, would be followed for many steps of the
+// engine.
+void LeaveLateClosings(const ImpactProblem& problem, const ImpactScale& scale, double t,
+                       Lanes& lanes);
 
 // Factor for the next step after one with this error (in units of the tolerance) of a method whose
 // error is of the given order in the step; 4 or 5.

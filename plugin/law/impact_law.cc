@@ -6,10 +6,10 @@
 
 #include "law/compression.h"
 #include "law/impact_clock.h"
+#include "law/lanes.h"
 #include "law/passivity.h"
 #include "law/single_impact.h"
 #include "law/viscous.h"
-#include "law/window.h"
 
 namespace mujoco_impact::law {
 
@@ -38,7 +38,7 @@ void Scale(double factor, int n, double* x) {
 
 int ImpactNumbers(int size) { return std::max(CompressionWorkspace(size), ViscousWorkspace(size)); }
 
-int ImpactIndices(int size) { return Window::kIndexArrays * size; }
+int ImpactIndices(int size) { return Lanes::Indices(size); }
 
 ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolution* solution,
                          const Workspace& workspace) {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "law/impact_clock.h"
-#include "law/window.h"
+#include "law/lanes.h"
 
 namespace mujoco_impact::law {
 
@@ -33,82 +33,65 @@ class Integrator {
   Integrator(const ImpactProblem& problem, ImpactSolution* solution, const Workspace& workspace);
   ImpactReport Run();
 
-  static constexpr int kArrays = 4 + 3 * kStages;
+  static constexpr int kArrays = 2 + 3 * kStages;
 
  private:
-  void MoveWindow();
   void EvaluateStage(const double* y, const double* c, int stage);
   void CombineStages(double h, int stage);
   double TryStep(double h);
   void Accept(double h);
+  void MoveWindow();
 
   const ImpactProblem& problem_;
   ImpactSolution& solution_;
-  const int n_;
   const ImpactScale scale_;
   const double damping_;  // x / c_ref [s/m]
-  Window window_;
+  Lanes lanes_;
   double t_ = 0;
-  double *y_, *c_, *y_new_, *c_new_;
-  double *force_[kStages], *pull_[kStages], *speed_[kStages];  // F, W F, c at the stages
+  // by lane: the step tried, and F, W F, c at the stages
+  double *y_new_, *c_new_;
+  double *force_[kStages], *pull_[kStages], *speed_[kStages];
 };
 
 Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution,
                        const Workspace& workspace)
     : problem_(problem),
       solution_(*solution),
-      n_(problem.delassus.size),
       scale_(MeasureScale(problem)),
       damping_(scale_.speed > 0 ? ViscousDamping(problem.restitution) / scale_.speed : 0),
-      window_(problem, *solution, scale_,
-              {workspace.numbers + kArrays * problem.delassus.size, workspace.indices}) {
-  double* numbers = workspace.numbers;
-  const auto take = [&numbers, this] {
-    double* array = numbers;
-    numbers += n_;
-    return array;
-  };
-  y_ = take();
-  c_ = take();
-  y_new_ = take();
-  c_new_ = take();
+      lanes_(problem, *solution, scale_, kArrays, workspace),
+      y_new_(lanes_.Take()),
+      c_new_(lanes_.Take()) {
   for (int i = 0; i < kStages; ++i) {
-    force_[i] = take();
-    pull_[i] = take();
-    speed_[i] = take();
+    force_[i] = lanes_.Take();
+    pull_[i] = lanes_.Take();
+    speed_[i] = lanes_.Take();
   }
-  for (int k = 0; k < n_; ++k) {
-    y_[k] = -problem.gap[k];
-    c_[k] = problem.closing_speed[k];
-    solution_.impulse[k] = solution_.moment[k] = 0;
-    solution_.onset[k] = 0;
-    for (double* force : force_) force[k] = 0;
-  }
+  EvaluateStage(lanes_.y, lanes_.c, 0);
 }
 
 // F_k = K_k y_k³ᐟ² (1 + x c_k/c_ref), never attracting.
 void Integrator::EvaluateStage(const double* y, const double* c, int stage) {
-  const DelassusMatrix& W = problem_.delassus;
-  double* F = force_[stage];
-  for (int i = 0; i < window_.size(); ++i) {
-    const int k = window_[i];
-    const double loss = std::max(0.0, 1 + damping_ * c[k]);
-    F[k] = y[k] > 0 ? problem_.stiffness[k] * y[k] * std::sqrt(y[k]) * loss : 0;
-    speed_[stage][k] = c[k];
+  const double* K = lanes_.stiffness;
+  double* __restrict F = force_[stage], * __restrict speed = speed_[stage];
+  for (int i = 0; i < lanes_.padded(); ++i) {
+    const double loss = 1 + damping_ * c[i];
+    const double pressed = y[i] > 0 ? y[i] : 0;
+    F[i] = K[i] * pressed * std::sqrt(pressed) * (loss > 0 ? loss : 0);
+    speed[i] = c[i];
   }
-  for (int i = 0; i < window_.size(); ++i) pull_[stage][window_[i]] = RowTimes(W, window_[i], F);
+  lanes_.Multiply(F, pull_[stage]);
 }
 
 void Integrator::CombineStages(double h, int stage) {
-  for (int i = 0; i < window_.size(); ++i) {
-    const int k = window_[i];
+  for (int i = 0; i < lanes_.padded(); ++i) {
     double dy = 0, dc = 0;
     for (int j = 0; j < stage; ++j) {
-      dy += kCombine[stage][j] * speed_[j][k];
-      dc -= kCombine[stage][j] * pull_[j][k];
+      dy += kCombine[stage][j] * speed_[j][i];
+      dc -= kCombine[stage][j] * pull_[j][i];
     }
-    y_new_[k] = y_[k] + h * dy;
-    c_new_[k] = c_[k] + h * dc;
+    y_new_[i] = lanes_.y[i] + h * dy;
+    c_new_[i] = lanes_.c[i] + h * dc;
   }
 }
 
@@ -119,12 +102,11 @@ double Integrator::TryStep(double h) {
     EvaluateStage(y_new_, c_new_, stage);
   }
   double error = 0;
-  for (int i = 0; i < window_.size(); ++i) {
-    const int k = window_[i];
+  for (int i = 0; i < lanes_.size(); ++i) {
     double dy = 0, dc = 0;
     for (int j = 0; j < kStages; ++j) {
-      dy += kError[j] * speed_[j][k];
-      dc += kError[j] * pull_[j][k];
+      dy += kError[j] * speed_[j][i];
+      dc += kError[j] * pull_[j][i];
     }
     error =
         std::max({error, h * std::abs(dy) / scale_.compression, h * std::abs(dc) / scale_.speed});
@@ -133,21 +115,20 @@ double Integrator::TryStep(double h) {
 }
 
 void Integrator::Accept(double h) {
-  for (int i = 0; i < window_.size(); ++i) {
-    const int k = window_[i];
+  for (int i = 0; i < lanes_.size(); ++i) {
     double dP = 0, dM = 0;
     for (int j = 0; j < kStages - 1; ++j) {
-      const double weighted = kCombine[kStages - 1][j] * h * force_[j][k];
+      const double weighted = kCombine[kStages - 1][j] * h * force_[j][i];
       dP += weighted;
       dM += weighted * (t_ + kNode[j] * h);
     }
     // weights of the method are partly negative: a single share may be, the sum is not
-    if (dP != 0 && solution_.impulse[k] == 0) solution_.onset[k] = t_;
-    solution_.impulse[k] += dP;
-    solution_.moment[k] += dM;
-    y_[k] = y_new_[k];
-    c_[k] = c_new_[k];
+    if (dP != 0 && lanes_.impulse[i] == 0) solution_.onset[lanes_.contact(i)] = t_;
+    lanes_.impulse[i] += dP;
+    lanes_.moment[i] += dM;
   }
+  std::swap(lanes_.y, y_new_);
+  std::swap(lanes_.c, c_new_);
   std::swap(force_[0], force_[kStages - 1]);
   std::swap(pull_[0], pull_[kStages - 1]);
   std::swap(speed_[0], speed_[kStages - 1]);
@@ -155,22 +136,21 @@ void Integrator::Accept(double h) {
 }
 
 void Integrator::MoveWindow() {
-  if (window_.Move(t_, y_, c_, force_, kStages)) EvaluateStage(y_, c_, 0);
+  LeaveLateClosings(problem_, scale_, t_, lanes_);
+  if (lanes_.Move(t_)) EvaluateStage(lanes_.y, lanes_.c, 0);
 }
 
 ImpactReport Integrator::Run() {
   const double first_step = 0.05 * scale_.time;
   double h = first_step;
   ImpactReport report{0, true};
-  MoveWindow();
-  EvaluateStage(y_, c_, 0);
-  while (!IsOver(problem_, scale_, window_, t_, y_, c_)) {
+  while (!IsOver(problem_, scale_, lanes_, t_)) {
     if (report.steps == kMaxSteps) {
       report.converged = false;
       break;
     }
-    if (!AnyCompressed(window_, y_)) {
-      if (!FlyToNextClosing(problem_, scale_, window_, &t_, y_, c_)) break;
+    if (!AnyCompressed(lanes_)) {
+      if (!FlyToNextClosing(problem_, scale_, lanes_, &t_)) break;
       MoveWindow();
       h = std::min(h, first_step);
     }
@@ -182,7 +162,10 @@ ImpactReport Integrator::Run() {
     }
     h *= StepGrowth(error, 5);
   }
-  for (int k = 0; k < n_; ++k) solution_.impulse[k] = std::max(0.0, solution_.impulse[k]);
+  lanes_.Finish();
+  for (int k = 0; k < problem_.delassus.size; ++k) {
+    solution_.impulse[k] = std::max(0.0, solution_.impulse[k]);
+  }
   SpeedsAfter(problem_, solution_);
   return report;
 }
@@ -203,7 +186,7 @@ double ViscousDamping(double restitution) {
   return 0.5 * (low + high);
 }
 
-int ViscousWorkspace(int size) { return (Integrator::kArrays + Window::kArrays) * size; }
+int ViscousWorkspace(int size) { return Lanes::Numbers(size, Integrator::kArrays); }
 
 ImpactReport IntegrateViscous(const ImpactProblem& problem, ImpactSolution* solution,
                               const Workspace& workspace) {

@@ -13,14 +13,11 @@ namespace {
 // Small islands are integrated whole; in larger ones only the contacts near a force.
 constexpr int kWholeIsland = 8;
 
-// Parts of the scale from which a closing or a compression matters to the neighbours: ahead of a
-// wave motion dies away faster than exponentially, but never to zero, and behind it contacts keep
-// a trace of compression. The force of either is below 1e-9 of that of the impact.
-constexpr double kNoticeableSpeed = 1e-9;
-constexpr double kNoticeableCompression = 1e-6;
-
-// Contact times before a closing at which its contact comes in, and up to which it stays.
-constexpr double kAhead = 1, kStay = 2;
+// Parts of the scale, in units of the tolerance, from which a closing or a compression matters to
+// the neighbours: ahead of a wave motion dies away faster than exponentially, but never to zero,
+// and behind it contacts keep a trace of compression. The force of either is negligible.
+constexpr double kNoticeableSpeed = 1e-3;
+constexpr double kNoticeableCompression = 1e-1;
 
 }  // namespace
 
@@ -29,7 +26,9 @@ Window::Window(const ImpactProblem& problem, const ImpactSolution& solution,
     : problem_(problem),
       solution_(solution),
       scale_(scale),
-      whole_(problem.delassus.size <= kWholeIsland) {
+      whole_(problem.delassus.size <= kWholeIsland),
+      noticeable_speed_(kNoticeableSpeed * problem.tolerance * scale.speed),
+      noticeable_compression_(kNoticeableCompression * problem.tolerance * scale.compression) {
   const int n = problem.delassus.size;
   double** const arrays[kArrays] = {&t_left_, &y_left_, &c_left_, &impulse_left_, &moment_left_};
   for (int i = 0; i < kArrays; ++i) *arrays[i] = workspace.numbers + i * n;
@@ -46,7 +45,7 @@ Window::Window(const ImpactProblem& problem, const ImpactSolution& solution,
 }
 
 double Window::Arrival(int k) const {
-  const bool closes = c_left_[k] > kNoticeableSpeed * scale_.speed;
+  const bool closes = c_left_[k] > noticeable_speed_;
   return closes ? t_left_[k] - y_left_[k] / c_left_[k] : std::numeric_limits<double>::infinity();
 }
 
@@ -59,15 +58,10 @@ double Window::NextArrival() const {
   return next;
 }
 
-bool Window::Matters(double y, double c) const {
-  if (y > kNoticeableCompression * scale_.compression) return true;
-  return c > kNoticeableSpeed * scale_.speed && -y <= kStay * scale_.time * c;
-}
-
 // Lets in the contacts that are about to close, as if they had been members before; returns how
 // many those are now.
 int Window::AdmitArrivals(int count, double t, double* y, double* c) {
-  if (t + kAhead * scale_.time < next_arrival_) return count;
+  if (!IsArrivalDue(t)) return count;
   next_arrival_ = std::numeric_limits<double>::infinity();
   for (int k = 0; k < problem_.delassus.size; ++k) {
     if (seen_[k] == 2 * generation_ - 1) continue;
@@ -107,17 +101,16 @@ void Window::Leave(int k, double t, const double* y, const double* c) {
   c_left_[k] = c[k];
 }
 
-bool Window::Move(double t, double* y, double* c, double* const* forces, int force_arrays) {
-  if (whole_) return false;
+void Window::Move(double t, double* y, double* c) {
+  if (whole_) return;
   const DelassusMatrix& W = problem_.delassus;
   std::swap(member_, previous_);
   ++generation_;
   // previous members carry an odd mark until they are taken again
   for (int i = 0; i < size_; ++i) seen_[previous_[i]] = 2 * generation_ - 1;
-  const int before = AdmitArrivals(size_, t, y, c);
-  bool entered = before > size_;
+  int number = AdmitArrivals(size_, t, y, c);
   size_ = 0;
-  for (int i = 0; i < before; ++i) {
+  for (int i = 0; i < number; ++i) {
     const int k = previous_[i];
     if (!Matters(y[k], c[k])) continue;
     for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
@@ -125,20 +118,19 @@ bool Window::Move(double t, double* y, double* c, double* const* forces, int for
       if (IsMember(l)) continue;
       if (seen_[l] != 2 * generation_ - 1) {
         Enter(l, t, y, c);
-        entered = true;
+        previous_[number++] = l;  // it may matter to its own neighbours at once
       }
       seen_[l] = 2 * generation_;
       member_[size_++] = l;
     }
   }
-  for (int i = 0; i < before; ++i) {
+  for (int i = 0; i < number; ++i) {
     const int k = previous_[i];
     if (IsMember(k)) continue;
     Leave(k, t, y, c);
     next_arrival_ = std::min(next_arrival_, Arrival(k));
-    for (int f = 0; f < force_arrays; ++f) forces[f][k] = 0;
   }
-  return entered;
+  std::sort(member_, member_ + size_);
 }
 
 }  // namespace mujoco_impact::law

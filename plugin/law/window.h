@@ -27,18 +27,31 @@ class Window {
   // When the next contact outside closes by itself; infinity if none does.
   double NextArrival() const;
 
-  // Lets contacts in and out after a step that ended at t. Clears the forces of those that leave;
-  // true if any came in, whose forces and decelerations are then to be computed.
-  bool Move(double t, double* y, double* c, double* const* forces, int force_arrays);
+  // Small islands are integrated whole: the window never moves.
+  bool whole() const { return whole_; }
+
+  // Whether a contact keeps itself and its neighbours in.
+  bool Matters(double y, double c) const {
+    if (y > noticeable_compression_) return true;
+    return c > noticeable_speed_ && -y <= kStay * scale_.time * c;
+  }
+
+  // Whether a contact outside is about to close at t.
+  bool IsArrivalDue(double t) const { return t + kAhead * scale_.time >= next_arrival_; }
+
+  // Lets contacts in and out after a step that ended at t, in ascending order; y and c by contact.
+  void Move(double t, double* y, double* c);
 
   static constexpr int kArrays = 5;
   static constexpr int kIndexArrays = 3;
 
  private:
+  // Contact times before a closing at which its contact comes in, and up to which it stays.
+  static constexpr double kAhead = 1, kStay = 2;
+
   double Arrival(int k) const;
   bool IsMember(int k) const { return seen_[k] == 2 * generation_; }
   int AdmitArrivals(int count, double t, double* y, double* c);
-  bool Matters(double y, double c) const;
   void Enter(int k, double t, double* y, double* c);
   void Leave(int k, double t, const double* y, const double* c);
   void NeighbourSums(int k, double* impulse, double* moment) const;
@@ -47,6 +60,7 @@ class Window {
   const ImpactSolution& solution_;
   const ImpactScale& scale_;
   const bool whole_;
+  const double noticeable_speed_, noticeable_compression_;
   int size_ = 0;
   int generation_ = 0;
   int *member_, *previous_;

@@ -1,8 +1,8 @@
 """Impacts as force pulses of finite duration for MuJoCo.
 
 Importing the package registers the engine plugin `mujoco_impact.waveform`. What needs
-more than MuJoCo and NumPy (`compare`, `envs`, `law`, `metrics`, `reference`,
-`rollout`) is imported when it is first used.
+more than MuJoCo and NumPy (`calibrate`, `compare`, `envs`, `law`, `metrics`,
+`reference`, `rollout`) is imported when it is first used.
 """
 
 from __future__ import annotations
@@ -23,17 +23,21 @@ from mujoco_impact.scene import attach  # noqa: E402
 from mujoco_impact.trajectory import Impact, Trajectory  # noqa: E402
 
 if TYPE_CHECKING:
-    from mujoco_impact import envs, law, metrics, reference
+    from mujoco_impact import calibration, envs, law, metrics, reference
+    from mujoco_impact.calibration import Calibration, calibrate
     from mujoco_impact.compare import Comparison, compare
     from mujoco_impact.rollouts import Rollouts, rollout
 
 __all__ = [
+    "Calibration",
     "Comparison",
     "Impact",
     "ImpactError",
     "Rollouts",
     "Trajectory",
     "attach",
+    "calibrate",
+    "calibration",
     "compare",
     "envs",
     "law",
@@ -44,10 +48,12 @@ __all__ = [
     "run",
 ]
 
-_MODULES = ("envs", "law", "metrics", "reference")
+_MODULES = ("calibration", "envs", "law", "metrics", "reference")
 _MEMBERS = {
+    "Calibration": "calibration",
     "Comparison": "compare",
     "Rollouts": "rollouts",
+    "calibrate": "calibration",
     "compare": "compare",
     "rollout": "rollouts",
 }

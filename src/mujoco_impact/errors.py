@@ -46,3 +46,7 @@ class ImpactWarning(UserWarning):
 
 class LawError(ImpactError, ValueError):
     """An impact problem has an argument out of range, or did not end."""
+
+
+class ShotsError(ImpactError, ValueError):
+    """Measured shots are missing, damaged, or cannot be calibrated with."""

@@ -180,6 +180,30 @@ def calibrated_impulse(
     return _scalar("calibrated_impulse", sh, sw, w0, kappa, momentum)
 
 
+def friction_impulse(
+    impulse: npt.ArrayLike,
+    *,
+    mu_s: npt.ArrayLike,
+    mu_d: npt.ArrayLike,
+    normal_momentum: npt.ArrayLike,
+    slip_momentum: npt.ArrayLike,
+) -> Array:
+    """Returns the tangential impulse Q [N s] of equations (7)-(9), against the slip.
+
+    Args:
+        impulse: Normal impulse P of each contact [N s], >= 0; any shape.
+        mu_s: Static factor, broadcast with `impulse`, as all that follow.
+        mu_d: Dynamic factor.
+        normal_momentum: m u_z before the impact [kg m/s], >= 0.
+        slip_momentum: m |u_t| before the impact [kg m/s], >= 0.
+    """
+    P, *given = np.broadcast_arrays(impulse, mu_s, mu_d, normal_momentum, slip_momentum)
+    arrays = [np.ascontiguousarray(values, dtype=np.float64) for values in (*given, P)]
+    Q = np.zeros(P.shape)
+    _library().mujoco_impact_friction_impulse(Q.size, *arrays, Q)
+    return Q
+
+
 @cache
 def _library() -> ctypes.CDLL:
     # the library is linked to MuJoCo, so MuJoCo and the plugin come first
@@ -191,6 +215,8 @@ def _library() -> ctypes.CDLL:
         function.argtypes = [ctypes.c_double] * arguments
     number, integer = ctypes.c_double, ctypes.c_int
     rows = [integer, _INTS, _INTS, _DOUBLES]
+    library.mujoco_impact_friction_impulse.restype = None
+    library.mujoco_impact_friction_impulse.argtypes = [integer, *[_DOUBLES] * 6]
     library.mujoco_impact_passive_scale.restype = number
     library.mujoco_impact_passive_scale.argtypes = [*rows, _DOUBLES, _DOUBLES]
     library.mujoco_impact_solve.restype = integer

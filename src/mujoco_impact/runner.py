@@ -164,12 +164,15 @@ class _Recorder:
         self._qvel: Array = np.zeros((samples, model.nv))
         self._energy: Array = np.zeros((samples, 2))
         self._pulses = PulseReader(model, data)
+        # A Runge-Kutta step leaves the energy of its last stage, not of its start.
+        self._runge_kutta = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+        self._scratch = copy.copy(data)
         self._sample(0)
 
     def after_step(self, step: int, every: int) -> None:
         """Records what step number `step` (from 0) brought."""
         self._pulses.poll()
-        if step % every == 0:
+        if step % every == 0 and not self._runge_kutta:
             # a step computes the energy of the state that it starts from
             self._energy[step // every] = self._data.energy
         if (step + 1) % every == 0:
@@ -177,8 +180,8 @@ class _Recorder:
 
     def trajectory(self) -> Trajectory:
         """Returns the finished trajectory."""
-        self._energy[-1] = _energy_at(self._model, self._data, self._qpos[-1],
-                                      self._qvel[-1])  # fmt: skip
+        if not self._runge_kutta:
+            self._energy[-1] = self._energy_at(-1)
         if self._pulses.missed:
             warnings.warn(
                 f"{self._pulses.missed} impacts have no record: more of them began in "
@@ -203,6 +206,24 @@ class _Recorder:
         self._time[index] = self._data.time
         self._qpos[index] = self._data.qpos
         self._qvel[index] = self._data.qvel
+        if self._runge_kutta:
+            self._energy[index] = self._energy_at(index)
+
+    def _energy_at(self, sample: int) -> Array:
+        """Returns potential and kinetic energy of a sample [J], shape (2,)."""
+        self._scratch.qpos[:] = self._qpos[sample]
+        self._scratch.qvel[:] = self._qvel[sample]
+        # no more than the energies read: neither contacts nor plugins
+        for stage in (
+            mujoco.mj_kinematics,
+            mujoco.mj_comPos,
+            mujoco.mj_tendon,
+            mujoco.mj_makeM,
+            mujoco.mj_energyPos,
+            mujoco.mj_energyVel,
+        ):
+            stage(self._model, self._scratch)
+        return np.array(self._scratch.energy)
 
 
 def integrator_name(model: mujoco.MjModel) -> str:
@@ -210,17 +231,6 @@ def integrator_name(model: mujoco.MjModel) -> str:
     name = str(mujoco.mjtIntegrator(model.opt.integrator).name)
     name = name.removeprefix("mjINT_")
     return {"EULER": "Euler", "RK4": "RK4"}.get(name, name.lower())
-
-
-def _energy_at(
-    model: mujoco.MjModel, data: mujoco.MjData, qpos: Array, qvel: Array
-) -> Array:
-    """Returns potential and kinetic energy of a state [J], shape (2,)."""
-    scratch = copy.copy(data)
-    scratch.qpos[:] = qpos
-    scratch.qvel[:] = qvel
-    mujoco.mj_forward(model, scratch)
-    return np.array(scratch.energy)
 
 
 def _keyframe_number(model: mujoco.MjModel, keyframe: str | int) -> int:

@@ -111,7 +111,7 @@ def test_doctor_tells_what_is_missing(
         (("run", "row_3", "--set", "young"), "must be KEY=VALUE"),
         (("run", "row_3", "--keyframe", "top"), "no keyframe 'top'"),
         (("run", "row_3", "--duration", "-1"), "duration = -1.0"),
-        (("run", "row_3", "--native", "--set", "young=1"), "has no effect"),
+        (("run", "row_3", "--native", "--set", "young=1"), "have no effect on"),
         (("compare", "row_3", "--keyframe", "none"), "no impact within"),
         (("run", "row_3", "--json", "no/such/folder.json"), "No such file"),
     ],
@@ -138,3 +138,55 @@ def test_module_is_a_command() -> None:
     )
     for name in ("demo", "run", "compare", "doctor"):
         assert name in result.stdout
+
+
+def test_shots_calibrate_and_run_with_what_was_found(tmp_path: Path) -> None:
+    """The whole way: shots, parameters, a model that uses them."""
+    made = command("shots", "ABA", "--out", "shots.csv", "--count", "5")
+    assert made.exit_code == 0, made.output
+    found = command(
+        *("calibrate", "shots.csv", "--out", "p.json", "--folds", "0"),
+        *("--fix", "e=1", "--json", "found.json"),
+    )
+    assert found.exit_code == 0, found.output
+    for text in ("alpha_2/alpha_1", "only alpha_k S_h counts", "evaluation value"):
+        assert text in found.stdout
+    document = json.loads((tmp_path / "found.json").read_text())
+    assert document["parameters"]["e"] == 1.0
+    result = command(
+        *("run", "paper_aba", "--params", "p.json", "--duration", "0.4"),
+        *("--json", "-"),
+    )
+    assert result.exit_code == 0, result.output
+    impacts = json.loads(result.stdout)["impacts"]
+    alphas = [impact["alpha"] for impact in impacts[:2]]
+    assert alphas == document["parameters"]["alpha"]
+
+
+def test_params_give_way_to_set() -> None:
+    """A setting given by hand replaces that of the file."""
+    command("shots", "AAA", "--count", "4", "--error", "0")
+    command("calibrate", "shots.csv", "--folds", "0")
+    result = command(
+        *("run", "row_3", "--params", "params.json", "--duration", "0.3"),
+        *("--set", "alpha=1 0.5", "--json", "-"),
+    )
+    assert result.exit_code == 0, result.output
+    impacts = json.loads(result.stdout)["impacts"]
+    assert [impact["alpha"] for impact in impacts[:2]] == [1.0, 0.5]
+
+
+def test_a_calibration_that_cannot_be_says_why_in_one_sentence(tmp_path: Path) -> None:
+    """Line and column of the data, or the option that is wrong."""
+    (tmp_path / "bad.csv").write_text("m1 [kg],m2 [g]\n")
+    cases = (
+        (("calibrate", "bad.csv"), "line 1, column 'm2' has the unit [g]"),
+        (("calibrate", "none.csv"), "No such file"),
+        (("shots", "AXA"), "unknown letters"),
+        (("run", "row_3", "--params", "bad.csv"), "cannot read parameters"),
+    )
+    for arguments, words in cases:
+        result = command(*arguments)
+        assert result.exit_code == 2
+        assert words in result.stderr
+        assert len(result.stderr.strip().splitlines()) == 1

@@ -63,9 +63,11 @@ def test_every_takes_each_nth_state() -> None:
         np.testing.assert_array_equal(getattr(coarse, name), getattr(fine, name)[::7])
 
 
-def test_energies_are_those_of_the_sampled_states() -> None:
+@pytest.mark.parametrize("integrator", ["Euler", "implicit", "discrete", "RK4"])
+def test_energies_are_those_of_the_sampled_states(integrator: str) -> None:
     """Potential m g z and kinetic I w^2 / 2 of a pendulum, in closed form."""
-    trajectory = run(PENDULUM.format(integrator="Euler"), duration=0.05, keyframe="up")
+    xml = PENDULUM.format(integrator=integrator)
+    trajectory = run(xml, duration=0.05, keyframe="up")
     angle, rate = trajectory.qpos[:, 0], trajectory.qvel[:, 0]
     inertia = 0.3 * (0.4**2 + 0.4 * 0.02**2)
     potential = -0.3 * 9.81 * 0.4 * np.cos(angle)

@@ -18,7 +18,9 @@ from mujoco_impact.cli import app
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = ("README.md", "plugin/README.md", "cradle_models/README.md",
-             "docs/design.md", "docs/environments.md", "CONTRIBUTING.md")  # fmt: skip
+             "docs/design.md", "docs/paper.md", "docs/paper_results.md",
+             "docs/calibration_coverage.md", "docs/environments.md",
+             "CONTRIBUTING.md")  # fmt: skip
 # optional libraries, and how code that needs one is known
 OPTIONAL = {"dm_control": "dm_control|envs.load", "gymnasium": "gymnasium"}
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)

@@ -85,6 +85,13 @@ def test_refused_with_attribute_value_and_what_is_allowed(config, name, allowed)
     assert allowed in str(refusal.value)
 
 
+def test_a_long_value_leaves_room_for_what_is_allowed():
+    with pytest.raises(ValueError, match="attribute 'young' = ") as refusal:
+        compile_with({"young": "9" * 2000})
+    assert "999..." in str(refusal.value)
+    assert "a finite number > 0 [Pa]" in str(refusal.value)
+
+
 @pytest.mark.parametrize(
     "config",
     [

@@ -5,9 +5,12 @@ from __future__ import annotations
 import typer
 
 from mujoco_impact.cli.bench import bench
+from mujoco_impact.cli.calibrate import calibrate, shots
 from mujoco_impact.cli.compare import compare, demo
 from mujoco_impact.cli.doctor import doctor
+from mujoco_impact.cli.paper import force_sensor, paper
 from mujoco_impact.cli.run import run
+from mujoco_impact.cli.stress import stress
 
 app = typer.Typer(
     name="mujoco-impact",
@@ -19,7 +22,18 @@ app = typer.Typer(
     rich_markup_mode="markdown",
 )
 
-for command in (demo, run, compare, bench, doctor):
+for command in (
+    demo,
+    run,
+    compare,
+    calibrate,
+    shots,
+    paper,
+    force_sensor,
+    bench,
+    stress,
+    doctor,
+):
     app.command()(command)
 
 

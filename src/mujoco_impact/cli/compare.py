@@ -15,6 +15,7 @@ from mujoco_impact.cli.options import (
     JsonOption,
     KeyframeOption,
     ModelArgument,
+    ParamsOption,
     SetOption,
 )
 from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
@@ -43,6 +44,7 @@ def compare(
     duration: DurationOption = 3.0,
     keyframe: KeyframeOption = None,
     settings: SetOption = None,
+    params: ParamsOption = None,
     png: Annotated[
         Path | None, typer.Option(help="Picture to write [default: MODEL.png].")
     ] = None,
@@ -53,7 +55,7 @@ def compare(
         path = model_path(model)
         start = start_keyframe(read_spec(path), keyframe)
         comparison = _compared(
-            path, duration, start, parsed_settings(settings), json_file
+            path, duration, start, parsed_settings(settings, params), json_file
         )
         picture = png or Path(f"{path.stem}_comparison.png")
         _show_comparison(comparison, picture, json_file)

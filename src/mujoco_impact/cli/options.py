@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -24,6 +25,14 @@ SetOption = Annotated[
     list[str] | None,
     typer.Option(
         "--set", metavar="KEY=VALUE", help="Setting of the impact law; repeatable."
+    ),
+]
+ParamsOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--params",
+        metavar="PARAMS.json",
+        help="Parameters of the law calibrated, from `mujoco-impact calibrate`.",
     ),
 ]
 JsonOption = Annotated[

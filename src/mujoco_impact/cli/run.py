@@ -15,6 +15,7 @@ from mujoco_impact.cli.options import (
     JsonOption,
     KeyframeOption,
     ModelArgument,
+    ParamsOption,
     SetOption,
 )
 from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
@@ -30,6 +31,7 @@ def run(
     duration: DurationOption = 3.0,
     keyframe: KeyframeOption = None,
     settings: SetOption = None,
+    params: ParamsOption = None,
     every: Annotated[int, typer.Option(help="Steps between two samples.")] = 1,
     native: Annotated[
         bool, typer.Option("--native", help="Leave all contacts to MuJoCo.")
@@ -41,7 +43,7 @@ def run(
 ) -> None:
     """Simulate a model with our impacts and list them."""
     with clean_errors():
-        spec = scene_of(model, parsed_settings(settings), native=native)
+        spec = scene_of(model, parsed_settings(settings, params), native=native)
         begin = time.perf_counter()
         with progress(json_file) as report:
             trajectory = run_model(

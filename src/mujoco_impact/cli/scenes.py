@@ -8,6 +8,7 @@ from typing import Any
 import mujoco
 
 import cradle_models
+from mujoco_impact.calibration.parameters import read_parameters
 from mujoco_impact.cli.options import START_KEYFRAME
 from mujoco_impact.errors import ConfigError, SceneError
 from mujoco_impact.ownership import owned_geoms
@@ -35,16 +36,20 @@ def scene_of(model: str, settings: dict[str, Any], *, native: bool) -> mujoco.Mj
     present = owned_geoms(spec)
     if settings and (present or native):
         reason = "it runs with --native" if native else "it has the plugin already"
-        msg = f"--set has no effect on {model!r}: {reason}"
+        msg = f"--set and --params have no effect on {model!r}: {reason}"
         raise ConfigError(msg)
     if native or present:
         return spec
     return attach(spec, **settings)
 
 
-def parsed_settings(settings: list[str] | None) -> dict[str, Any]:
-    """Returns the settings given as KEY=VALUE."""
+def parsed_settings(
+    settings: list[str] | None, params: Path | None = None
+) -> dict[str, Any]:
+    """Returns the settings of a file of parameters, then those given as KEY=VALUE."""
     parsed: dict[str, Any] = {}
+    if params is not None:
+        parsed = {"law": "calibrated", **read_parameters(params).settings}
     for setting in settings or []:
         key, equals, value = setting.partition("=")
         if not (key and equals and value):

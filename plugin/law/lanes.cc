@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "law/lanes.h"
+
+#include <algorithm>
+
+namespace mujoco_impact::law {
+
+Lanes::Lanes(const ImpactProblem& problem, const ImpactSolution& solution, const ImpactScale& scale,
+             int arrays, const Workspace& workspace)
+    : problem_(problem),
+      solution_(solution),
+      free_(workspace.numbers),
+      y_of_contact_(free_ + (kArrays + arrays) * (problem.delassus.size + kMargin)),
+      c_of_contact_(y_of_contact_ + problem.delassus.size),
+      window_(problem, solution, scale, {c_of_contact_ + problem.delassus.size, workspace.indices}),
+      lane_(workspace.indices + Window::kIndexArrays * problem.delassus.size) {
+  double** const own[kArrays] = {&y,        &c,      &impulse, &moment, &stiffness,
+                                 &matters_, &lower_, &middle_, &upper_};
+  for (double** array : own) *array = Take();
+  for (int k = 0; k < problem.delassus.size; ++k) {
+    y_of_contact_[k] = -problem.gap[k];
+    c_of_contact_[k] = problem.closing_speed[k];
+    solution.impulse[k] = solution.moment[k] = solution.onset[k] = 0;
+    lane_[k] = -1;
+  }
+  window_.Move(0, y_of_contact_, c_of_contact_);
+  Load();
+}
+
+int Lanes::Numbers(int size, int arrays) {
+  return (kArrays + arrays) * (size + kMargin) + (kContactArrays + Window::kArrays) * size;
+}
+
+int Lanes::Indices(int size) { return (Window::kIndexArrays + 1) * size; }
+
+double* Lanes::Take() {
+  const int length = problem_.delassus.size + kMargin;
+  std::fill_n(free_, length, 0.0);
+  double* array = free_ + 1;
+  free_ += length;
+  return array;
+}
+
+// Contacts come in at once, but leave in batches: to load the lanes costs as much as some steps.
+bool Lanes::MustMove(double t) const {
+  constexpr int kFewest = 4;
+  if (window_.whole()) return false;
+  if (window_.IsArrivalDue(t)) return true;
+  int idle = 0;
+  for (int i = 0; i < size(); ++i) {
+    const bool matters = window_.Matters(y[i], c[i]), mattered = matters_[i] != 0;
+    if (matters && !mattered) return true;
+    if (mattered && !matters) ++idle;
+  }
+  return idle > kFewest && 4 * idle > size();
+}
+
+bool Lanes::Move(double t) {
+  if (!MustMove(t)) return false;
+  Store();
+  window_.Move(t, y_of_contact_, c_of_contact_);
+  Load();
+  return true;
+}
+
+void Lanes::Store() {
+  for (int i = 0; i < size(); ++i) {
+    const int k = contact(i);
+    lane_[k] = -1;
+    y_of_contact_[k] = y[i];
+    c_of_contact_[k] = c[i];
+    solution_.impulse[k] = impulse[i];
+    solution_.moment[k] = moment[i];
+  }
+}
+
+void Lanes::Load() {
+  for (int i = 0; i < size(); ++i) {
+    const int k = contact(i);
+    lane_[k] = i;
+    y[i] = y_of_contact_[k];
+    c[i] = c_of_contact_[k];
+    impulse[i] = solution_.impulse[k];
+    moment[i] = solution_.moment[k];
+    stiffness[i] = problem_.stiffness[k];
+    matters_[i] = window_.Matters(y[i], c[i]);
+  }
+  for (int i = size(); i < padded() + 1; ++i) {
+    y[i] = c[i] = impulse[i] = moment[i] = stiffness[i] = 0;
+  }
+  LoadMatrix();
+}
+
+void Lanes::LoadMatrix() {
+  const DelassusMatrix& W = problem_.delassus;
+  tridiagonal_ = true;
+  for (int i = 0; i < size(); ++i) {
+    lower_[i] = middle_[i] = upper_[i] = 0;
+    const int k = contact(i);
+    for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
+      const int j = lane_[W.column[a]];
+      if (j < 0) continue;  // no force there
+      if (j == i - 1) lower_[i] = W.value[a];
+      if (j == i) middle_[i] = W.value[a];
+      if (j == i + 1) upper_[i] = W.value[a];
+      tridiagonal_ = tridiagonal_ && j >= i - 1 && j <= i + 1;
+    }
+  }
+  for (int i = size(); i < padded(); ++i) lower_[i] = middle_[i] = upper_[i] = 0;
+}
+
+void Lanes::MultiplyRows(const double* x, double* product) const {
+  const DelassusMatrix& W = problem_.delassus;
+  for (int i = 0; i < size(); ++i) {
+    const int k = contact(i);
+    double sum = 0;
+    // the zero in front stands for the contacts outside
+    for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
+      sum += W.value[a] * x[lane_[W.column[a]]];
+    }
+    product[i] = sum;
+  }
+  if (size() < padded()) product[size()] = 0;
+}
+
+void Lanes::Finish() {
+  for (int i = 0; i < size(); ++i) {
+    solution_.impulse[contact(i)] = impulse[i];
+    solution_.moment[contact(i)] = moment[i];
+  }
+}
+
+}  // namespace mujoco_impact::law

@@ -1,0 +1,81 @@
+"""`mujoco-impact paper` and `mujoco-impact force-sensor`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+from rich.table import Table
+
+from mujoco_impact.cli.options import JsonOption
+from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
+
+
+def paper(
+    out: Annotated[
+        Path | None, typer.Option(help="Markdown file to write as well.")
+    ] = None,
+    json_file: JsonOption = None,
+) -> None:
+    """Run the eight patterns of the paper beside what it prints."""
+    from mujoco_impact.paper import results, sheets
+
+    with clean_errors():
+        with progress(json_file) as report:
+            found = results.paper_results(report)
+        write_json(json_file, found.to_dict())
+        if out is not None:
+            out.write_text(sheets.markdown(found), encoding="utf-8")
+        console = console_of(json_file)
+        for sheet in sheets.sheets(found):
+            table = Table(title=sheet.title, box=None)
+            for number, heading in enumerate(sheet.headings):
+                side: Literal["left", "right"] = "right" if number else "left"
+                table.add_column(heading, justify=side, no_wrap=True)
+            for row in sheet.rows:
+                table.add_row(*(cell.replace("**", "") for cell in row))
+            console.print(table)
+            console.print(sheet.note, style="dim")
+            console.print()
+        if out is not None:
+            console.out(f"written: {out}")
+
+
+def force_sensor(
+    out: Annotated[Path, typer.Option(help="Folder for the two figures.")] = Path(),
+    json_file: JsonOption = None,
+) -> None:
+    """Swing a ball against a force sensor from ten heights; draw figures 5 and 6."""
+    from mujoco_impact.paper import figures
+    from mujoco_impact.paper.force_sensor import experiment
+
+    with clean_errors():
+        with progress(json_file) as report:
+            series = experiment(report)
+        pictures = figures.write_figures(series, out)
+        write_json(
+            json_file,
+            {
+                "series": [one.to_dict() for one in series],
+                "pictures": [str(picture) for picture in pictures],
+            },
+        )
+        table = Table(
+            title="largest distance between two shots, scaled by height", box=None
+        )
+        table.add_column("duration")
+        for heading in ("W [ms]", "waveforms", "impulses", "waveforms, time / W"):
+            table.add_column(heading, justify="right")
+        for one in series:
+            widths = [record.impact.duration * 1e3 for record in one.records]
+            table.add_row(
+                one.rule,
+                f"{min(widths):.3g} to {max(widths):.3g}",
+                f"{one.waveform_spread:.2g}",
+                f"{one.impulse_spread:.2g}",
+                f"{one.shape_spread:.2g}",
+            )
+        console = console_of(json_file)
+        console.print(table)
+        console.out(f"pictures: {', '.join(map(str, pictures))}")

@@ -1,0 +1,166 @@
+"""`mujoco-impact stress`."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mujoco_impact.cli.options import JsonOption, KeyframeOption, SetOption
+from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
+from mujoco_impact.cli.scenes import model_path, parsed_settings, start_keyframe
+from mujoco_impact.source import read_spec
+
+VIOLATION = 1
+"""Exit code when a promise is broken within the documented limits."""
+
+
+def stress(
+    model: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[MODEL]",
+            help="Scene to run in many ways: a model file, or a shipped model. "
+            "Without it, random scenes.",
+        ),
+    ] = None,
+    cases: Annotated[int, typer.Option(help="Random scenes to judge.")] = 100,
+    first: Annotated[int, typer.Option(help="Seed of the first random scene.")] = 0,
+    seed: Annotated[
+        int | None, typer.Option(help="Only the random scene of this seed.")
+    ] = None,
+    processes: Annotated[int, typer.Option(help="Scenes to run at a time.")] = 1,
+    ours_only: Annotated[
+        bool, typer.Option("--ours-only", help="Leave MuJoCo's own contacts out.")
+    ] = False,
+    long: Annotated[
+        bool, typer.Option("--long", help="Also run cradles for an hour of motion.")
+    ] = False,
+    duration: Annotated[
+        float, typer.Option(help="Simulated time of each run of MODEL [s].")
+    ] = 1.0,
+    keyframe: KeyframeOption = None,
+    settings: SetOption = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Report to write (markdown).")
+    ] = None,
+    json_file: JsonOption = None,
+) -> None:
+    """Look for where impacts break: in random scenes, or in a scene of your own."""
+    with clean_errors():
+        if model is not None:
+            _stress_model(model, duration, keyframe, settings, out, json_file)
+        elif seed is not None:
+            _show_case(seed, json_file)
+        else:
+            _sweep(range(first, first + cases), processes, ours_only, long, out,
+                   json_file)  # fmt: skip
+
+
+def _sweep(
+    seeds: range,
+    processes: int,
+    ours_only: bool,
+    long: bool,
+    out: Path | None,
+    json_file: str | None,
+) -> None:
+    """Judges random scenes and reports."""
+    from mujoco_impact import stress as stressing
+    from mujoco_impact.stress import markdown
+    from mujoco_impact.stress.long_runs import long_runs
+
+    console = console_of(json_file)
+    methods = (stressing.OURS,) if ours_only else stressing.METHODS
+    begin = time.perf_counter()
+    done = 0
+    with progress(json_file) as tell:
+
+        def one_more(outcome: stressing.Outcome) -> None:
+            nonlocal done
+            done += 1
+            tell(f"scene {done} of {len(seeds)}")
+            for verdict in outcome.verdicts:
+                if verdict.is_violation and verdict.method == stressing.OURS:
+                    console.out(f"{verdict.invariant}: {verdict.value:.3g} in")
+                    console.out(f"  {outcome.case.describe()}")
+
+        outcomes = stressing.sweep(
+            seeds, methods=methods, processes=processes, progress=one_more
+        )
+        elapsed = time.perf_counter() - begin
+        runs = long_runs(progress=tell) if long else []
+    summary = stressing.summarise(outcomes)
+    text = markdown.report(summary, runs, elapsed)
+    if out is not None:
+        out.write_text(text, encoding="utf-8")
+        console.out(f"report: {out}")
+    else:
+        console.out(text)
+    write_json(json_file, dataclasses_to_dict(summary))
+    broken = summary.violations(stressing.OURS)
+    console.out(
+        f"{summary.cases} scenes, {summary.impacts} impacts, {broken} violations"
+    )
+    if broken:
+        raise typer.Exit(VIOLATION)
+
+
+def dataclasses_to_dict(summary: object) -> dict[str, object]:
+    """Returns the summary as plain values."""
+    import dataclasses
+
+    return dataclasses.asdict(summary)  # type: ignore[call-overload,no-any-return]
+
+
+def _show_case(seed: int, json_file: str | None) -> None:
+    """Shows one random scene and its verdicts."""
+    from mujoco_impact import stress as stressing
+
+    outcome = stressing.judge(stressing.case_of(seed))
+    console = console_of(json_file)
+    console.out(outcome.case.describe())
+    if outcome.failure:
+        console.out(f"could not be run: {outcome.failure}")
+    for verdict in outcome.verdicts:
+        word = "holds" if verdict.holds else verdict.limit or "VIOLATED"
+        console.out(
+            f"{verdict.method:16} {verdict.invariant:16} {verdict.value:10.3g}  {word}"
+        )
+    write_json(json_file, dataclasses_to_dict(outcome))
+
+
+def _stress_model(
+    model: str,
+    duration: float,
+    keyframe: str | None,
+    settings: list[str] | None,
+    out: Path | None,
+    json_file: str | None,
+) -> None:
+    """Runs a scene of the user in many ways and reports."""
+    from mujoco_impact import stress as stressing
+    from mujoco_impact.stress import markdown
+
+    path = model_path(model)
+    start = start_keyframe(read_spec(path), keyframe)
+    with progress(json_file) as tell:
+        findings = stressing.stress_scene(
+            path,
+            duration=duration,
+            keyframe=start,
+            settings=parsed_settings(settings),
+            progress=tell,
+        )
+    console = console_of(json_file)
+    text = markdown.findings_table(findings)
+    if out is not None:
+        out.write_text(f"# Stress report of {path.name}\n\n{text}", encoding="utf-8")
+        console.out(f"report: {out}")
+    else:
+        console.out(text)
+    write_json(json_file, {"findings": [dataclasses_to_dict(f) for f in findings]})
+    if any(finding.problems for finding in findings):
+        raise typer.Exit(VIOLATION)

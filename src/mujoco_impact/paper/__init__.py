@@ -1,0 +1,1 @@
+"""The experiments of Dondo and Noborio, beside what is printed of them."""

@@ -1,0 +1,307 @@
+"""What must hold in every case: one function per invariant, with its bound and reason.
+
+A function returns how far an invariant is from holding, a number >= 0 that the bound is
+for, or None where it says nothing about the case.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+
+from mujoco_impact import law
+from mujoco_impact.stress.evidence import NUDGE, Evidence
+from mujoco_impact.stress.methods import OURS
+from mujoco_impact.stress.record import Record
+from mujoco_impact.trajectory import Array
+
+SPEED_FLOOR = 1e-6
+"""Part of the closing speed at which the law takes a contact as over."""
+
+SMALL = 1e-6
+"""Part of the largest impulse from which on a pulse matters."""
+
+CHAOS = 1e-2
+"""A scene that makes more than this of a nudge of 1e-6 is chaotic: symmetries are not
+judged by it."""
+
+NUDGES = 20.0
+"""Changes that a symmetry may make, over what the nudge makes: the law's error per step
+is as large as the nudge, and an impact takes some tens of steps."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Invariant:
+    """One promise.
+
+    Attributes:
+        name: Short, for tables.
+        promise: In words.
+        bound: Largest value allowed.
+        reason: Why that bound.
+        value: Returns the value for a case, or None.
+    """
+
+    name: str
+    promise: str
+    bound: float
+    reason: str
+    value: Callable[[Evidence], float | None]
+
+
+def finite(evidence: Evidence) -> float | None:
+    """Counts what is not a number, and MuJoCo's warnings of a diverging state."""
+    run = evidence.run
+    bad = sum(int(np.sum(~np.isfinite(x))) for x in (run.position, run.velocity))
+    return float(bad + len(run.warnings))
+
+
+def momentum(evidence: Evidence) -> float | None:
+    """Largest change of momentum of balls that only impacts act on."""
+    if not evidence.case.is_free or not is_sound(evidence.run):
+        return None
+    run = evidence.run
+    mass = run.balls.mass
+    p = np.einsum("i,kij->kj", mass, run.velocity)
+    speeds = np.linalg.norm(run.velocity, axis=2)
+    return float(np.abs(p - p[0]).max() / (speeds @ mass).max())
+
+
+def energy_growth(evidence: Evidence) -> float | None:
+    """Largest growth of kinetic energy from before an impact to after it.
+
+    A soft contact of MuJoCo may only store it: there every sample counts.
+    """
+    if not evidence.case.is_free or not is_sound(evidence.run):
+        return None
+    kinetic = _kinetic(evidence.run)
+    quiet = kinetic[evidence.run.quiet] if evidence.method == OURS else kinetic
+    if len(quiet) < 2:
+        return None
+    return float(max(0.0, np.diff(quiet).max()) / kinetic[0])
+
+
+def energy_drift(evidence: Evidence) -> float | None:
+    """Drift of an elastic scene beyond that without contacts, per impact."""
+    case, run = evidence.case, evidence.run
+    if not (case.is_elastic and case.is_conservative and is_sound(run)):
+        return None
+    if run.quiet.sum() < 2:
+        return None
+    kinetic_scale = max(_kinetic(run).max(), 1e-300)
+    drift = _drift(run, kinetic_scale)
+    if not case.is_free:
+        apart = evidence.apart
+        drift -= _drift(apart, max(_kinetic(apart).max(), 1e-300))
+    return max(0.0, drift) / max(1, len(run.impacts) + run.missed)
+
+
+def impulse_sign(evidence: Evidence) -> float | None:
+    """Largest pull, over the largest push."""
+    impulses = [impact.impulse for impact in evidence.run.impacts]
+    if not impulses:
+        return None
+    return max(0.0, -min(impulses)) / max(max(impulses), 1e-300)
+
+
+def passing_through(evidence: Evidence) -> float | None:
+    """Deepest overlap of two balls beyond that of the start, over the sum of radii.
+
+    Measured on the straight lines between samples, so that a ball that is through
+    within one step counts as passed through the middle.
+    """
+    run = evidence.run
+    if not is_sound(run):
+        return None
+    first, second = np.triu_indices(len(run.balls.mass), 1)
+    if len(first) == 0:
+        return None
+    touching = run.balls.radius[first] + run.balls.radius[second]
+    worst = 0.0
+    between = run.position[0, second] - run.position[0, first]
+    start = np.maximum(0.0, 1 - np.linalg.norm(between, axis=1) / touching)
+    for position in run.position[1:]:
+        after = position[second] - position[first]
+        depth = 1 - _nearest(between, after) / touching
+        worst = max(worst, float((depth - start).max()))
+        between = after
+    return worst
+
+
+def pulse_length(evidence: Evidence) -> float | None:
+    """Longest pulse of the Hertz contact, over the longest that an impact may take.
+
+    Only pulses that matter count. The longest is one contact time of the two heaviest
+    balls per ball, at 1e-6 of the closing speed, at which the law takes a contact as
+    over.
+    """
+    case, run = evidence.case, evidence.run
+    if case.duration is not None or not run.impacts:
+        return None
+    radius, mass = run.balls.radius, run.balls.mass
+    stiffness = law.hertz_stiffness(
+        law.effective_modulus(case.young, 0.3), 2 / float(radius.min())
+    )
+    slowest = SPEED_FLOOR * case.speed
+    longest = law.contact_time(stiffness, float(mass.max()) / 2, slowest)
+    most = max(impact.impulse for impact in run.impacts)
+    pulses = [i.duration for i in run.impacts if i.impulse > SMALL * most]
+    return max(pulses, default=0.0) / (case.count * longest)
+
+
+def same_bits(evidence: Evidence) -> float | None:
+    """1 if a second run ends in other bits."""
+    return float(evidence.run.bits != evidence.again.bits)
+
+
+def permutation(evidence: Evidence) -> float | None:
+    """Change of velocities by another order of the bodies."""
+    order = np.argsort(evidence.order)
+    return _asymmetry(
+        evidence,
+        lambda: evidence.permuted,
+        lambda image: image.velocity[:, order],
+    )
+
+
+def mirroring(evidence: Evidence) -> float | None:
+    """Change of velocities by mirroring there and back."""
+    mirror = np.array([-1.0, 1.0, 1.0])
+    if evidence.case.joint == "pendulum" or evidence.case.features:
+        return None  # hinges and motors would have to be mirrored, too
+    return _asymmetry(
+        evidence, lambda: evidence.mirrored, lambda image: image.velocity * mirror
+    )
+
+
+INVARIANTS = (
+    Invariant(
+        "finite",
+        "states are finite and MuJoCo warns of nothing",
+        0.0,
+        "exact",
+        finite,
+    ),
+    Invariant(
+        "momentum",
+        "balls that only impacts act on keep their momentum",
+        1e-10,
+        "rounding; in parts of the largest sum of m |v|",
+        momentum,
+    ),
+    Invariant(
+        "energy growth",
+        "no impact adds kinetic energy",
+        1e-9,
+        "rounding; in parts of the kinetic energy at the start",
+        energy_growth,
+    ),
+    Invariant(
+        "elastic energy",
+        "elastic scenes drift no more than without contacts, and 1e-6 per impact",
+        1e-6,
+        "the promise; in parts of the largest kinetic energy, per impact",
+        energy_drift,
+    ),
+    Invariant(
+        "no pull", "normal impulses are not negative", 0.0, "exact", impulse_sign
+    ),
+    Invariant(
+        "no passing",
+        "no ball passes through another",
+        0.75,
+        "overlap over the sum of radii: 0.5 is the deepest that attach allows, 1 is "
+        "centre through centre",
+        passing_through,
+    ),
+    Invariant(
+        "pulse length",
+        "a Hertz pulse is over when the impact can be",
+        1.0,
+        "contact time of the heaviest pair, per ball, at 1e-6 of the speed",
+        pulse_length,
+    ),
+    Invariant(
+        "same bits", "a run repeated gives the same bits", 0.0, "exact", same_bits
+    ),
+    Invariant(
+        "permutation",
+        "the order of the bodies does not matter",
+        1e-5,
+        "beyond what a scene makes of an error of 1e-6 (that of the law per step) "
+        "times 20; in parts of the fastest speed",
+        permutation,
+    ),
+    Invariant(
+        "mirror",
+        "the mirror image does the mirror image",
+        1e-5,
+        "as for permutation",
+        mirroring,
+    ),
+)
+
+
+def is_sound(run: Record) -> bool:
+    """Whether MuJoCo did not reset the state, which it does when a run diverges."""
+    return not run.warnings and bool(np.isfinite(run.velocity).all())
+
+
+def is_chaotic(evidence: Evidence) -> bool:
+    """Whether small errors grow beyond what symmetries can be judged by."""
+    return _difference(evidence.run, evidence.nudged.velocity) > CHAOS
+
+
+def _asymmetry(
+    evidence: Evidence,
+    image: Callable[[], Record],
+    back: Callable[[Record], Array],
+) -> float | None:
+    """Returns the change by a symmetry beyond that by the nudge; None if chaotic."""
+    if not is_sound(evidence.run) or "two instances" in evidence.case.features:
+        return None
+    if evidence.method != OURS and not is_sound(image()):
+        return 1.0
+    if not is_sound(image()):
+        return 1.0
+    change = _difference(evidence.run, back(image()))
+    # most scenes are that good: only the others are nudged
+    if change <= 1e-5:
+        return change
+    if not is_sound(evidence.nudged) or is_chaotic(evidence):
+        return None
+    nudge = _difference(evidence.run, evidence.nudged.velocity)
+    return max(0.0, change - NUDGES * max(nudge, NUDGE))
+
+
+def _difference(run: Record, velocity: Array) -> float:
+    """Returns the largest change of a velocity, over the fastest speed."""
+    fastest = float(np.linalg.norm(run.velocity, axis=2).max())
+    return float(np.abs(run.velocity - velocity).max()) / max(fastest, 1e-300)
+
+
+def _kinetic(run: Record) -> Array:
+    """Returns the kinetic energy of the balls in each sample [J]."""
+    speed2 = np.einsum("kij,kij->ki", run.velocity, run.velocity)
+    result: Array = speed2 @ run.balls.mass / 2
+    return result
+
+
+def _drift(run: Record, scale: float) -> float:
+    """Returns the largest change of energy between quiet samples, over a scale."""
+    if run.energy is None:
+        return 0.0
+    total = run.energy[run.quiet]
+    return float(np.abs(total - total[0]).max()) / scale if len(total) else 0.0
+
+
+def _nearest(before: Array, after: Array) -> Array:
+    """Returns the least length on the straight way between pairs of vectors."""
+    way = after - before
+    length2 = np.einsum("ij,ij->i", way, way)
+    along = -np.einsum("ij,ij->i", before, way)
+    part = np.clip(along / np.where(length2 > 0, length2, 1.0), 0.0, 1.0)
+    nearest: Array = np.linalg.norm(before + part[:, None] * way, axis=1)
+    return nearest

@@ -1,0 +1,221 @@
+"""The stress report as markdown: docs/stress.md."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Iterable, Sequence
+
+import mujoco
+
+from mujoco_impact.stress.invariants import INVARIANTS
+from mujoco_impact.stress.limits import LIMITS
+from mujoco_impact.stress.long_runs import DAMPING, RESTITUTION, LongRun
+from mujoco_impact.stress.methods import METHODS, OURS
+from mujoco_impact.stress.summary import Summary, Tally
+from mujoco_impact.stress.user_scene import Finding
+
+HEAD = """\
+# Stress report
+
+Written by `scripts/stress`; do not edit. Random scenes of spheres in rows, rings,
+lattices and free clusters, long runs, and what of the promises held. A scene is
+reproduced by its seed:
+
+    mujoco-impact stress --seed N
+
+The scenes: timestep 10 us to 20 ms; the integrators Euler, implicit, implicitfast,
+discrete and RK4; 2 to 200 balls of 1e-4 to 1e2 m; mass ratios up to 1e6; Young's
+modulus 1e5 to 1e12 Pa; restitution 0, and 1e-6 to 1, bi-stiffness and viscous; speeds
+1e-6 to 1e3 m/s; pulses of the Hertz contact, and of 1e-5 to 1 s; gaps 0 to 1e-2 m;
+starts with overlaps of up to half the sum of radii; joints with springs, damping,
+armature, limits, equality constraints, tendons, motors and MuJoCo's own plugin `pid`;
+sleeping; two instances of the plugin.
+"""
+
+
+def report(summary: Summary, runs: Sequence[LongRun], elapsed: float) -> str:
+    """Returns the whole report.
+
+    Args:
+        summary: The sweep.
+        runs: The long runs.
+        elapsed: Wall time of the sweep [s].
+    """
+    parts = [
+        HEAD,
+        _machine(summary, elapsed),
+        _promises(),
+        *(_method(summary, method) for method in summary.methods),
+        _comparison(summary),
+        _limits(summary),
+        _long_runs(runs) if runs else "",
+    ]
+    return "\n".join(part for part in parts if part)
+
+
+def findings_table(findings: Iterable[Finding]) -> str:
+    """Returns the findings of a user's scene as a markdown table."""
+    rows = [
+        (
+            finding.variation,
+            str(finding.impacts),
+            f"{finding.energy:+.1e}",
+            f"{finding.deepest:.1e}",
+            f"{finding.farthest:.2g}",
+            str(finding.native),
+            "; ".join(finding.problems) or "sound",
+        )
+        for finding in findings
+    ]
+    heading = (
+        "run",
+        "impacts",
+        "energy",
+        "deepest overlap [m]",
+        "way per step / gap",
+        "steps with MuJoCo's contacts",
+        "verdict",
+    )
+    return table(heading, rows)
+
+
+def table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Returns a markdown table."""
+    lines = [heading, ["---"] * len(heading), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+
+
+def _machine(summary: Summary, elapsed: float) -> str:
+    """Tells what was run on what."""
+    failed = len(summary.failures)
+    return (
+        f"{summary.cases} scenes, {summary.struck} with an impact, "
+        f"{summary.impacts} impacts; {failed} could not be run; "
+        f"{elapsed / 60:.0f} min. MuJoCo {mujoco.mj_versionString()}, "
+        f"Python {platform.python_version()}, {platform.machine()}.\n"
+    )
+
+
+def _promises() -> str:
+    """Lists the invariants with their bounds and reasons."""
+    rows = [
+        (invariant.name, invariant.promise, f"{invariant.bound:g}", invariant.reason)
+        for invariant in INVARIANTS
+    ]
+    return "## The promises\n\n" + table(
+        ("name", "promise", "bound", "why that bound"), rows
+    )
+
+
+def _method(summary: Summary, method: str) -> str:
+    """Returns the table of one method."""
+    rows = [_row(tally) for tally in summary.tallies if tally.method == method]
+    text = f"## {method}: {summary.violations(method)} violations\n\n" + table(
+        (
+            "promise",
+            "scenes judged",
+            "violations",
+            "outside of the limits",
+            "worst within",
+            "worst outside",
+            "seeds of the worst",
+        ),
+        rows,
+    )
+    if summary.failures and method == OURS:
+        text += "\nCould not be run:\n\n"
+        for seed, why in summary.failures.items():
+            text += f"* seed {seed}: {why}\n"
+    return text
+
+
+def _row(tally: Tally) -> tuple[str, ...]:
+    """Returns one line of a method's table."""
+    beyond = ", ".join(f"{count} {name}" for name, count in tally.beyond.items())
+    return (
+        tally.invariant,
+        str(tally.judged),
+        str(tally.violations),
+        beyond or "0",
+        f"{tally.worst:.2g}",
+        f"{tally.worst_beyond:.2g}" if tally.beyond else "-",
+        " ".join(map(str, tally.seeds)) or "-",
+    )
+
+
+def _comparison(summary: Summary) -> str:
+    """Returns violations per promise, method beside method, without any limits."""
+    rows = []
+    for invariant in INVARIANTS:
+        cells = [invariant.name]
+        for method in METHODS:
+            tally = summary.tally(method, invariant.name)
+            if tally is None:
+                cells.append("-")
+                continue
+            broken = tally.violations + sum(tally.beyond.values())
+            cells.append(f"{broken} of {tally.judged}")
+        rows.append(cells)
+    return (
+        "## Side by side\n\nScenes in which a promise is broken, those outside of "
+        "our documented limits included: the same scenes for every method.\n\n"
+        + table(("promise", *METHODS), rows)
+    )
+
+
+def _limits(summary: Summary) -> str:
+    """Explains the limits and counts what is outside of them."""
+    rows = []
+    for limit in LIMITS:
+        count = sum(
+            tally.beyond.get(limit.name, 0)
+            for tally in summary.tallies
+            if tally.method == OURS
+        )
+        touched = ", ".join(i.name for i in INVARIANTS if i.name in limit.invariants)
+        rows.append((limit.name, limit.meaning, touched, str(count)))
+    return (
+        "## Outside of the limits\n\nWhat a scene does outside of the documented "
+        "limits is counted apart, not hidden.\n\n"
+        + table(("limit", "a scene is outside if", "touches", "broken promises"), rows)
+    )
+
+
+def _long_runs(runs: Sequence[LongRun]) -> str:
+    """Returns the table of the long runs."""
+    rows = [
+        (
+            run.run,
+            run.method,
+            f"{run.duration:.0f} s, {run.steps} steps",
+            "yes" if run.finite else f"no: {run.note}",
+            f"{run.energy[-1]:.4g}",
+            f"{run.energy.min():.4g} to {run.energy.max():.4g}",
+            f"{run.order:.2g}",
+            f"{run.drift:+.2g}",
+            f"{run.speed:.2g}",
+        )
+        for run in runs
+    ]
+    return (
+        "## Long runs\n\nThe shipped cradle of five balls (`row_5`) at 2 ms, Euler: "
+        "elastic for an hour, and with "
+        f"e = {RESTITUTION} and {DAMPING:g} N m s/rad in the joints until it hangs "
+        "still and ten minutes longer. Energies are over that at the release; "
+        "the drift is the mean angle of the last tenth, the speed the largest "
+        "in it.\n\n"
+        + table(
+            (
+                "run",
+                "method",
+                "reached",
+                "finite",
+                "energy at the end",
+                "energy between",
+                "places swapped by [m]",
+                "drift [rad]",
+                "speed at the end [m/s]",
+            ),
+            rows,
+        )
+    )
