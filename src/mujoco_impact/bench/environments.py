@@ -18,7 +18,7 @@ from mujoco_impact.bench.machine import machine, versions
 from mujoco_impact.bench.rollout_throughput import Throughput, throughput
 from mujoco_impact.envs.scores import table as score_table
 
-BLOCKS = 100
+BLOCKS = 300
 ROLLOUTS = 10_000
 THREADS = (1, 2)
 
@@ -27,7 +27,7 @@ def run(*, blocks: int = BLOCKS, rollouts: int = ROLLOUTS) -> dict[str, Any]:
     """Measures everything.
 
     Args:
-        blocks: Blocks of 50 control steps of each environment.
+        blocks: Blocks of 25 control steps of each environment.
         rollouts: Simulations of 1 s for each number of threads.
 
     Returns:
@@ -69,9 +69,9 @@ Written by `scripts/bench-environments`, on {where["cores"]} cores of
 
 ## Steps
 
-Time of a control step with random actions; "MuJoCo's": the same environment with
-MuJoCo's contacts; "ratio": median over blocks of 50 steps in turn. "mj_step": the part
-of ours that is physics; "overhead": the environment over it.
+Processor time of a control step with random actions; "MuJoCo's": the same environment
+with MuJoCo's contacts; "ratio": median over blocks of 25 steps in turn. "mj_step": the
+part of ours that is physics; "overhead": the environment over it.
 
 {_step_table(results["steps"])}
 ## Rollouts

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import mujoco
@@ -26,10 +27,11 @@ class CradleState:
                 may replace it.
         """
         self.size = int(model.njnt)
-        self._length: Array = np.linalg.norm(model.body_ipos[1:], axis=1)
+        self._length: list[float] = np.linalg.norm(model.body_ipos[1:], axis=1).tolist()
         gravity = float(-model.opt.gravity[2])
         # I / (2 m g): height that an angular velocity is worth [m s²]
-        self._swing: Array = model.dof_M0 / (2.0 * model.body_mass[1:] * gravity)
+        swing = model.dof_M0 / (2.0 * model.body_mass[1:] * gravity)
+        self._swing: list[float] = swing.tolist()
         self._impulses: slice | None = None
         if model.nsensor > 0:
             all_numbers = sensor_slice(model)
@@ -54,15 +56,25 @@ class CradleState:
         """Returns the impulse of the last impact of each ball [N s], shape (n,)."""
         return np.array(data.sensordata[self._impulses])
 
-    def heights(self, data: Any) -> Array:
-        """Returns how high each ball would swing if nothing met it [m], shape (n,).
+    def height(self, ball: int, angle: float, speed: float) -> float:
+        """Returns how high a ball would swing if nothing met it [m].
 
         Above its lowest point, from the energy of the pendulum:
         h = L (1 - cos θ) + I ω² / (2 m g).
+
+        Args:
+            ball: Number of the ball, from 0.
+            angle: θ [rad].
+            speed: ω [rad/s].
         """
-        return np.asarray(
-            self._length * (1.0 - np.cos(data.qpos)) + self._swing * data.qvel**2
-        )
+        swing = self._swing[ball] * speed * speed
+        return self._length[ball] * (1.0 - math.cos(angle)) + swing
+
+    def heights(self, data: Any) -> list[float]:
+        """Returns `height` of every ball [m]."""
+        # a few numbers: plain floats are several times faster than arrays
+        angles, speeds = data.qpos.tolist(), data.qvel.tolist()
+        return list(map(self.height, range(self.size), angles, speeds))
 
     def place(self, data: Any, angles: Array) -> None:
         """Puts the balls at rest at these angles [rad], shape (n,)."""

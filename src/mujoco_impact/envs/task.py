@@ -73,13 +73,15 @@ class CradleTask(ABC):
 
     def after_step(self, data: Any) -> None:
         """Follows how far the balls swing out; called after every control step."""
-        out = self.state.angles(data) > OUT_ANGLE
-        is_out = bool(out[-1])
+        angles = data.qpos.tolist()
+        is_out = angles[-1] > OUT_ANGLE
         if is_out and not self._was_out:
             self.reach = np.zeros(self.state.size)
         self._was_out = is_out
-        if out.any():
-            self.reach = np.where(out, self.state.heights(data), self.reach)
+        for ball, angle in enumerate(angles):
+            if angle > OUT_ANGLE:
+                speed = float(data.qvel[ball])
+                self.reach[ball] = self.state.height(ball, angle, speed)
 
     def observation(self, data: Any) -> dict[str, Array]:
         """Returns the observations by name, as copies."""
