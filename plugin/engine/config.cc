@@ -33,6 +33,9 @@ constexpr char kWidth[] = "sw";
 constexpr char kBaseWidth[] = "w0";
 constexpr char kUnitFactor[] = "kappa";
 constexpr char kShape[] = "e";
+constexpr char kFriction[] = "friction";
+constexpr char kStatic[] = "mu_s";
+constexpr char kDynamic[] = "mu_d";
 
 // A number with its default and the open or closed interval it must lie in.
 struct NumberRule {
@@ -57,6 +60,8 @@ constexpr NumberRule kBaseWidthRule{
 constexpr NumberRule kUnitFactorRule{kUnitFactor,           0.083, 0, kInfinity, true, false,
                                      "a finite number >= 0"};
 constexpr NumberRule kShapeRule{kShape, 1, 0, 1, true, true, "a number in [0, 1]"};
+constexpr NumberRule kStaticRule{kStatic, 0, 0, kInfinity, true, false, "a finite number >= 0"};
+constexpr NumberRule kDynamicRule{kDynamic, 0, 0, kInfinity, true, false, "a finite number >= 0"};
 constexpr NumberRule kSecondsRule{
     kDuration, 0, 0, kInfinity, false, false, "'hertz', 'paper' or a finite number > 0 [s]"};
 
@@ -150,7 +155,18 @@ void CheckAlpha(Reader& reader, const Config& config, int owned) {
   if (!good) reader.Refuse(kAlpha, kAlphaAllowed);
 }
 
+void CheckFriction(Reader& reader, const Config& config) {
+  for (const NumberRule* rule : {&kStaticRule, &kDynamicRule}) {
+    if (config.friction && !reader.IsSet(rule->name)) {
+      reader.Refuse(rule->name, rule->allowed, " (friction 'paper' needs it)");
+    } else if (!config.friction && reader.IsSet(rule->name)) {
+      reader.Refuse(rule->name, "only with friction = 'paper'");
+    }
+  }
+}
+
 void CheckCombination(Reader& reader, const Config& config, int owned) {
+  CheckFriction(reader, config);
   if (config.law == Law::kCalibrated) {
     CheckAlpha(reader, config, owned);
     if (!reader.IsSet(kHeight)) {
@@ -171,7 +187,8 @@ void CheckCombination(Reader& reader, const Config& config, int owned) {
 
 const char* const kAttributes[] = {kLaw,      kRestitution, kDissipation, kYoung, kPoisson,
                                    kDuration, kTouch,       kPassive,     kAlpha, kHeight,
-                                   kWidth,    kBaseWidth,   kUnitFactor,  kShape};
+                                   kWidth,    kBaseWidth,   kUnitFactor,  kShape, kFriction,
+                                   kStatic,   kDynamic};
 const int kAttributeCount = sizeof(kAttributes) / sizeof(kAttributes[0]);
 
 int ReadList(const char* text, double* values, int size) {
@@ -208,6 +225,8 @@ Config ReadConfig(const mjModel* m, int instance, int owned, ConfigError* error)
   config.calibrated.unit_factor = reader.Number(kUnitFactorRule);
   const double shape = reader.Number(kShapeRule);
   config.waveform_restitution = config.law == Law::kCalibrated ? shape : config.restitution;
+  config.friction = reader.Word(kFriction, {"none", "paper"}, "'none' or 'paper'") == 1;
+  config.paper_friction = {reader.Number(kStaticRule), reader.Number(kDynamicRule)};
   config.alpha = reader.Text(kAlpha);
   ReadDuration(reader, config);
   if (error) CheckCombination(reader, config, owned);

@@ -11,6 +11,7 @@
 #include <mujoco/mujoco.h>
 
 #include "law/calibrated.h"
+#include "law/friction.h"
 #include "law/impact_problem.h"
 
 namespace mujoco_impact::engine {
@@ -29,7 +30,9 @@ struct Config {
   bool passive;
   law::CalibratedWaveform calibrated;
   double waveform_restitution;  // E of the shape [-]
-  const char* alpha;            // text of the list, for the law `calibrated`
+  bool friction;                // tangential impulses by equations (7)-(9)
+  law::PaperFriction paper_friction;
+  const char* alpha;  // text of the list, for the law `calibrated`
 };
 
 // Whether the law times each contact itself, by the physical contact time: such an impact is over

@@ -20,15 +20,27 @@ bool IsSphere(const mjModel* m, const Pulse& pulse, int side) {
   return m->geom_type[static_cast<int>(pulse.geom[side])] == mjGEOM_SPHERE;
 }
 
-// Σ Jᵀ of a unit impulse along the pulse's normal, over all degrees of freedom.
+// Adds the friction of the pulse, which acts where the surfaces touch.
+void AddTangent(const mjModel* m, const mjData* d, const Pulse& pulse, const Vector3& normal,
+                int side, BodyPoint point, mjtNum* segment) {
+  if (IsSphere(m, pulse, side)) {
+    const mjtNum radius = m->geom_size[3 * static_cast<int>(pulse.geom[side])];
+    point.position += (side == 0 ? radius : -radius) * normal;
+  }
+  AddRow(m, d, point, Load(pulse.tangent), side == 0 ? -1 : 1, segment);
+}
+
+// Σ Jᵀ of a pulse whose normal impulse is 1, over all degrees of freedom.
 void AddPulseRow(const mjModel* m, const mjData* d, const Pulse& pulse, mjtNum* row) {
   const Vector3 normal = PulseNormal(m, d, pulse);
+  const bool slides = Norm(Load(pulse.tangent)) > 0;
   for (int side = 0; side < 2; ++side) {
     const BodyPoint point{BodyOf(m, pulse, side), PulsePoint(m, d, pulse, side)};
     const int last = LastDof(m, point.body);
     if (last < 0) continue;
     mjtNum* segment = row + m->tree_dofadr[m->dof_treeid[last]];
     AddRow(m, d, point, normal, side == 0 ? -1 : 1, segment);
+    if (slides) AddTangent(m, d, pulse, normal, side, point, segment);
   }
 }
 

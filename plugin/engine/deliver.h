@@ -53,6 +53,11 @@ Vector3 PulsePoint(const mjModel* m, const mjData* d, const Pulse& pulse, int si
 // Direction of the pulse now: the line of centres of two spheres, otherwise as it was at onset.
 Vector3 PulseNormal(const mjModel* m, const mjData* d, const Pulse& pulse);
 
+// Force of the pulse on its second body, over its normal force.
+inline Vector3 PulseForce(const mjModel* m, const mjData* d, const Pulse& pulse) {
+  return PulseNormal(m, d, pulse) + Load(pulse.tangent);
+}
+
 // When the last of the pulses under way ends, from the start of the step; 0 if there are none [s].
 mjtNum ActiveEnd(const State& state);
 

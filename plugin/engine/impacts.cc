@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "engine/config.h"
+#include "engine/friction.h"
 #include "engine/gather.h"
 #include "engine/island_system.h"
 #include "engine/islands.h"
@@ -121,18 +122,23 @@ ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, i
 void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, const int* position,
                                int count) {
   Scratch scratch(d_);
-  if (!scratch.Fits(IslandBytes(m_, d_, contacts_, position, count, scratch))) {
+  size_t bytes = IslandBytes(m_, d_, contacts_, position, count, scratch);
+  if (config_.friction) bytes += FrictionBytes(m_, bytes);
+  if (!scratch.Fits(bytes)) {
     mju_warning(
         "mujoco_impact.waveform: an impact of %d contacts needs more memory than mjData has left "
         "and is skipped; raise <size memory=\"...\"/> in the model",
         count);
     return;
   }
-  const IslandSystem system =
+  IslandSystem system =
       BuildIsland(m_, d_, contacts_, position, count, outlook.motion, time.tau, scratch);
   const mjtNum* velocity = SettledVelocity(m_, outlook, time.tau, scratch);
   Impact* impacts = scratch.Take<Impact>(count);
   ResolveIsland(m_, config_, ownership_, system, time, velocity, impacts, scratch);
+  if (config_.friction) {
+    AddFriction(m_, d_, config_, outlook.motion, time.tau, velocity, system, impacts, scratch);
+  }
   mjtNum end = time.start + time.tau;
   for (int k = 0; k < count; ++k) {
     if (impacts[k].impulse <= 0) continue;

@@ -74,24 +74,6 @@ Problem MakeProblem(const mjModel* m, const Config& config, const IslandSystem& 
   return problem;
 }
 
-// p = m u of the body that brings the momentum into the contact that closes first: its effective
-// mass along the normal times the closing speed [kg m/s].
-mjtNum IncomingMomentum(const mjModel* m, const IslandSystem& system, int first, mjtNum speed,
-                        const mjtNum* velocity) {
-  const ContactRow& row = system.row[first];
-  mjtNum inverse_mass = system.delassus.diagonal[first], fastest = 0;
-  for (const RowSegment& segment : row.segment) {
-    if (segment.tree < 0) continue;
-    const int dofs = m->tree_dofnum[segment.tree];
-    const mjtNum towards =
-        -mju_dot(segment.jacobian, velocity + m->tree_dofadr[segment.tree], dofs);
-    if (towards <= fastest) continue;
-    fastest = towards;
-    inverse_mass = mju_dot(segment.jacobian, segment.inverse_inertia, dofs);
-  }
-  return speed / inverse_mass;
-}
-
 void SolveHertz(const Config& config, const IslandSystem& system, const ImpactTime& time,
                 Problem& problem) {
   const law::ImpactProblem impact{system.delassus,
@@ -137,6 +119,20 @@ mjtNum DurationFromMoment(mjtNum impulse, mjtNum moment, mjtNum onset, mjtNum re
 
 }  // namespace
 
+mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const mjtNum* velocity) {
+  mjtNum inverse_mass = system.delassus.diagonal[k], fastest = 0;
+  for (const RowSegment& segment : system.row[k].segment) {
+    if (segment.tree < 0) continue;
+    const int dofs = m->tree_dofnum[segment.tree];
+    const mjtNum towards =
+        -mju_dot(segment.jacobian, velocity + m->tree_dofadr[segment.tree], dofs);
+    if (towards <= fastest) continue;
+    fastest = towards;
+    inverse_mass = mju_dot(segment.jacobian, segment.inverse_inertia, dofs);
+  }
+  return 1 / inverse_mass;
+}
+
 mjtNum EstimateContactTime(const mjModel* m, const Config& config, const mjContact& contact,
                            mjtNum speed) {
   mjtNum mass = std::numeric_limits<mjtNum>::infinity();
@@ -158,7 +154,8 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
 
   // the law: impulses
   const mjtNum reduced_mass = 1 / system.delassus.diagonal[first];
-  const mjtNum momentum = IncomingMomentum(m, system, first, speed, velocity);
+  // p = m u of the body that brings the momentum into the contact that closes first
+  const mjtNum momentum = IncomingMass(m, system, first, velocity) * speed;
   const mjtNum e = config.waveform_restitution;
   const bool hertz = config.law == Law::kHertz;
   mjtNum* alpha = scratch.Zeros(system.size);
@@ -185,7 +182,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
     const mjtNum onset = timed ? problem.onset[k] : 0;
     const mjtNum W = timed ? DurationFromMoment(P, problem.moment[k], onset, e) : common;
     const bool at_once = timed && W <= time.timestep;
-    impacts[k] = {P, alpha[k], tau + onset, W, problem.moment[k] + tau * P, at_once};
+    impacts[k] = {P, alpha[k], tau + onset, W, problem.moment[k] + tau * P, at_once, {}};
   }
 }
 

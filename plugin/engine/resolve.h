@@ -9,6 +9,7 @@
 #include "engine/config.h"
 #include "engine/island_system.h"
 #include "engine/ownership.h"
+#include "engine/vector3.h"
 
 namespace mujoco_impact::engine {
 
@@ -20,6 +21,7 @@ struct Impact {
   mjtNum duration;  // W [s]
   mjtNum moment;    // ∫ t F dt [N s²], if the law knows it better than the waveform
   bool at_once;     // shorter than the step: deliver it whole, by its moment
+  Vector3 tangent;  // tangential impulse over P_k, on geom[1] (friction.h) [-]
 };
 
 struct ImpactTime {
@@ -33,6 +35,10 @@ struct ImpactTime {
 // How long two bodies touch that close with `speed`, by the masses of the bodies alone [s].
 mjtNum EstimateContactTime(const mjModel* m, const Config& config, const mjContact& contact,
                            mjtNum speed);
+
+// m of the body that comes in at contact k: effective mass along the normal of the one that closes
+// faster, of both together if neither does [kg].
+mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const mjtNum* velocity);
 
 // `velocity` is what the bodies have at τ when all pulses under way have been delivered (nv).
 // `impacts` has room for system.size.

@@ -22,14 +22,14 @@ void WriteRecord(const GeomRecord& record, mjtNum* output) {
 // Adds a pulse that acts in this step; one that begins in it is not in the records yet.
 void AddPulse(const mjModel* m, const mjData* d, const Ownership& ownership, const Pulse& pulse,
               mjtNum* output) {
-  const Vector3 normal = PulseNormal(m, d, pulse);
+  const Vector3 direction = PulseForce(m, d, pulse);
   const mjtNum part = pulse.delivered_next - pulse.delivered;
   const mjtNum force = part * pulse.impulse / m->opt.timestep;
   for (int side = 0; side < 2; ++side) {
     const int index = ownership.Index(static_cast<int>(pulse.geom[side]));
     if (index < 0) continue;
     mjtNum* of_geom = output + kNumbersPerGeom * index;
-    Store(Load(of_geom) + (side == 0 ? -force : force) * normal, of_geom);
+    Store(Load(of_geom) + (side == 0 ? -force : force) * direction, of_geom);
     if (pulse.serial > 0) continue;
     of_geom[3] = pulse.impulse;
     of_geom[4] = law::WaveformHeight(pulse.impulse, pulse.duration);

@@ -47,6 +47,7 @@ Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, co
   pulse.duration = impact.duration;
   pulse.restitution = config.waveform_restitution;
   Store(row.normal, pulse.normal);
+  Store(impact.tangent, pulse.tangent);
   for (int side = 0; side < 2; ++side) {
     const BodyPoint& point = row.path.side(side);
     const Vector3 offset = point.position - Load(d->xpos + 3 * point.body);

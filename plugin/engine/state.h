@@ -32,6 +32,7 @@ struct Pulse {
   double delivered_next;  // and by its end; committed by advance
   double point[2][3];     // where the force acts, in the frames of the two bodies [m]
   double normal[3];       // world frame; for spheres the line of centres replaces it
+  double tangent[3];      // tangential impulse over P_k, on geom[1], world frame [-]
 };
 
 // What the sensor reports of the last impact of a geom.

@@ -35,7 +35,7 @@ void DrawPulses(const mjModel* m, mjData* d, const mjvOption* option, mjvScene* 
     if (part <= 0) continue;
     mjtNum from[3], force[3];
     Store(PulsePoint(m, d, pulse, 1), from);
-    Store(part * pulse.impulse / m->opt.timestep * PulseNormal(m, d, pulse), force);
+    Store(part * pulse.impulse / m->opt.timestep * PulseForce(m, d, pulse), force);
     DrawArrow(m, from, force, scene);
   }
 }

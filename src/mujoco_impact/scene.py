@@ -52,7 +52,7 @@ def attach(
     Adds a plugin instance with its settings, a `<tuple>` of the owned geoms and a
     sensor (all three called `name`), and gives the owned geoms a negative margin, so
     that MuJoCo detects their contacts and leaves them out of its solver. Impulses act
-    along the normal: there is no friction during an impact.
+    along the normal, unless `friction="paper"` is set.
 
     Args:
         source: Path of a model file, XML text, or a specification (not changed).

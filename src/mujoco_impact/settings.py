@@ -35,6 +35,9 @@ SETTINGS: Mapping[str, str] = MappingProxyType(
         "w0": "calibrated law: duration at zero mass and speed [s]",
         "kappa": "calibrated law: unit factor of the S_w term",
         "e": "calibrated law: restitution of the waveform",
+        "friction": "tangential impulses: none | paper",
+        "mu_s": "friction=paper: static factor of equation (7), >= 0",
+        "mu_d": "friction=paper: dynamic factor of equation (9), >= 0",
     }
 )
 """Name and meaning of each configuration attribute of the engine plugin."""

@@ -169,7 +169,7 @@ def test_params_give_way_to_set() -> None:
     command("calibrate", "shots.csv", "--folds", "0")
     result = command(
         *("run", "row_3", "--params", "params.json", "--duration", "0.3"),
-        *("--set", "alpha=1 0.5", "--json", "-"),
+        *("--set", "alpha=1 0.5", "--friction", "--set", "mu_d=0.1", "--json", "-"),
     )
     assert result.exit_code == 0, result.output
     impacts = json.loads(result.stdout)["impacts"]
@@ -184,6 +184,7 @@ def test_a_calibration_that_cannot_be_says_why_in_one_sentence(tmp_path: Path) -
         (("calibrate", "none.csv"), "No such file"),
         (("shots", "AXA"), "unknown letters"),
         (("run", "row_3", "--params", "bad.csv"), "cannot read parameters"),
+        (("run", "row_3", "--friction"), "--friction needs --params"),
     )
     for arguments, words in cases:
         result = command(*arguments)

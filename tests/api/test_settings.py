@@ -28,6 +28,9 @@ CALIBRATED = {
     "w0": 7.5e-3,
     "kappa": 0.083,
     "e": 0.9,
+    "friction": "paper",
+    "mu_s": 0.1,
+    "mu_d": 0.05,
 }
 
 

@@ -13,16 +13,24 @@ import pytest
 from typer.testing import CliRunner
 
 from mujoco_impact import cli
-from mujoco_impact.bench import benchmark, measure, mujoco_methods, sequential, steps
+from mujoco_impact.bench import (
+    benchmark,
+    measure,
+    mujoco_methods,
+    sequential,
+    step_cases,
+    steps,
+)
 from mujoco_impact.bench.benchmark import choose_methods, run_benchmark
-from mujoco_impact.bench.compiled import LIBRARY_VARIABLE
+from mujoco_impact.bench.library import LIBRARY_VARIABLE
 from mujoco_impact.bench.mujoco_methods import DEFAULT, OURS
 from mujoco_impact.bench.points import Point
 from mujoco_impact.bench.results import points_from_csv, read_results
 from mujoco_impact.bench.scenes import SCENES, choose_scenes
+from mujoco_impact.bench.simulate import START
 from mujoco_impact.bench.truths import Truth, row_errors, truth_of
 from mujoco_impact.errors import ConfigError, SceneError
-from mujoco_impact.runner import load_model
+from mujoco_impact.runner import initial_data, load_model
 from mujoco_impact.scene import attach
 
 # Velocities after the first impact over the impact speed, from integrations of the
@@ -86,6 +94,12 @@ def test_command_writes_everything(tmp_path: Path) -> None:
     chart = (out / "S1.png").read_bytes()
     assert chart.startswith(b"\x89PNG")
     assert len(chart) > 30_000
+    assert (out / "overview.png").read_bytes().startswith(b"\x89PNG")
+    # the summary is printed, and kept
+    assert "at the run time of MuJoCo's defaults" in ran.output
+    (velocity, angle) = results.to_dict()["summary"]
+    assert (velocity["error"], angle["error"]) == ("velocity_error", "angle_rms")
+    assert velocity["default"] > 0.3
     assert str(tmp_path) not in (out / "results.json").read_text()
 
 
@@ -178,10 +192,47 @@ def test_what_is_missing_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "pendulum rows only" in results.missing["sequential on strings"]
 
 
+def test_every_scene_of_the_steps_loads_with_its_floor() -> None:
+    """With the plugin and without; names and headings are unique."""
+    cases = step_cases.step_cases(library=False)
+    assert len({case.title for case in cases}) == len(cases)
+    for case in cases:
+        # long ones take a second each to compile, and are made by the same functions
+        if case.balls <= 100:
+            ours, floor = map(load_model, case.specs())
+            assert (ours.nplugin, floor.nplugin) == (1, 0)
+            assert ours.ngeom == floor.ngeom == case.balls
+
+
+@pytest.mark.usefixtures("library")
+def test_empty_plugin_is_called_and_does_nothing() -> None:
+    """The row swings as without it."""
+    *_, case = step_cases.step_cases(library=True)
+    assert "empty plugin" in case.title
+    empty, floor = map(load_model, case.specs())
+    assert (empty.nplugin, floor.nplugin) == (1, 0)
+    assert empty.nsensordata == 1
+    for one, other in zip(
+        steps._motion(empty, 100), steps._motion(floor, 100), strict=True
+    ):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_steps_are_timed_and_summed_up() -> None:
+    """One step less than the motion has: the first one does not count."""
+    case = step_cases.step_cases(library=False)[0]
+    (row,) = steps.step_times(duration=0.2, repeats=2, cases=[case])
+    assert (row.case, row.balls, row.steps) == ("3 swinging balls", 3, 99)
+    assert 0 < row.p50 <= row.p99 <= row.worst <= row.disturbed
+    assert row.ratio == pytest.approx(row.mean / row.floor)
+    assert row.per_ball == pytest.approx(row.mean / 3)
+    assert row.floor_per_ball == pytest.approx(row.floor / 3)
+
+
 def test_floor_sees_the_same_contacts() -> None:
     """From the same states: as many, as deep, all of them left to nobody."""
     attached = attach(SCENES["S2"].spec())
-    ours, floor = load_model(attached), load_model(steps._floor(attached))
+    ours, floor = load_model(attached), load_model(step_cases.floor(attached))
     assert (ours.nplugin, floor.nplugin) == (1, 0)
     states = steps._motion(ours, 200)
     mine, bare = mujoco.MjData(ours), mujoco.MjData(floor)
@@ -202,8 +253,12 @@ def test_replayed_motion_is_our_own() -> None:
     attached = attach(SCENES["S1"].spec())
     model = load_model(attached)
     states = steps._motion(model, 200)
-    times = steps._step_all(model, states)
+    data = initial_data(model, keyframe=START)
+    times = steps._step_all(model, data, *states)
     assert times.shape == (200,)
+    # in the end where the motion led
+    model_again = steps._motion(model, 201)
+    np.testing.assert_array_equal(data.qpos, model_again[0][-1])
     again = steps._motion(model, 200)
     np.testing.assert_array_equal(states[0], again[0])
     # the last ball has flown off within 0.4 s

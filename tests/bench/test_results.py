@@ -10,8 +10,11 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rich.console import Console
 
+from mujoco_impact.bench.impacts import ImpactTimes, WaveTimes
 from mujoco_impact.bench.machine import machine
+from mujoco_impact.bench.output import show
 from mujoco_impact.bench.points import Point
 from mujoco_impact.bench.results import (
     Results,
@@ -59,7 +62,11 @@ def results(points: tuple[Point, ...]) -> Results:
         scenes={"S1": "three balls"},
         methods={"ours": "ours"},
         points=points,
-        steps=(StepTimes("3 balls", 10, 1.0, 1.0, 2.0, 3.0, 9.0, 0.5, 2.0),),
+        steps=(
+            StepTimes("3 balls", 3, 10, 1.0, 1.0, 2.0, 3.0, 9.0, 0.5, 2.0, 0.4, 0.2),
+        ),
+        impacts=(ImpactTimes(3, 1e-5, 40, 1e-6, 5.0, 4.0, 50, 1e-4, 2.0, 2.5),),
+        waves=(WaveTimes(100, 1000, 400.0, 4.0, 1.0),),
         missing={"dart": "not installed"},
         versions={"mujoco": "3"},
         machine={"cores": 2},
@@ -118,3 +125,13 @@ def test_machine_tells_no_names() -> None:
     assert platform.node() not in text
     assert getpass.getuser() not in text.split()
     assert "/" not in text
+
+
+def test_times_are_shown() -> None:
+    """A table each of steps, impacts and waves, and why something is missing."""
+    console = Console(record=True, width=120, markup=False)
+    show(results(()), console)
+    text = console.export_text()
+    for heading in ("single steps", "one impact of a row", "through long rows"):
+        assert heading in text
+    assert "not measured, not installed: dart" in text

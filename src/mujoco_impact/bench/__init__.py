@@ -1,7 +1,8 @@
 """The benchmark of run time against error: what `mujoco-impact bench` runs.
 
 `scenes` says what is simulated, `methods` how, `truths` what is right; `measure` makes
-points (run time, error) of them, `results` and `charts` keep them.
+points (run time, error) of them, `summary` says what follows. `steps` and `impacts`
+time single steps and the law alone. `results`, `charts` and `readme` keep it all.
 """
 
 from mujoco_impact.bench.benchmark import run_benchmark

@@ -3,8 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 from mujoco_impact.bench import compiled, mujoco_methods, peers, sequential
+from mujoco_impact.bench.impacts import (
+    ImpactTimes,
+    WaveTimes,
+    impact_times,
+    wave_times,
+)
+from mujoco_impact.bench.library import library_obstacle
 from mujoco_impact.bench.machine import machine, versions
 from mujoco_impact.bench.measure import QUICK, Effort, SceneBench
 from mujoco_impact.bench.methods import MethodFamily
@@ -14,6 +22,11 @@ from mujoco_impact.bench.scenes import BenchScene, choose_scenes
 from mujoco_impact.bench.steps import StepTimes, step_times
 from mujoco_impact.bench.truths import truth_of
 from mujoco_impact.errors import ConfigError
+
+_Times: TypeAlias = tuple[
+    tuple[StepTimes, ...], tuple[ImpactTimes, ...], tuple[WaveTimes, ...]
+]
+_NO_TIMES: _Times = ((), (), ())
 
 
 def run_benchmark(
@@ -30,7 +43,7 @@ def run_benchmark(
         scenes: Names of scenes; None: all.
         methods: Names of methods; None: all.
         quick: Only the recommended settings, and few timings.
-        steps: Whether to time single steps, too.
+        steps: Whether to time single steps and impacts, too.
         progress: Called with each stage as it begins.
 
     Raises:
@@ -44,16 +57,15 @@ def run_benchmark(
     points = list[Point]()
     for scene in chosen_scenes:
         points += _scene_points(scene, families, effort, quick, report)
-    timed: tuple[StepTimes, ...] = ()
-    if steps:
-        duration, repeats = (2.0, 2) if quick else (20.0, 5)
-        timed = step_times(duration=duration, repeats=repeats, progress=report)
+    timed = _times(quick, report) if steps else _NO_TIMES
     return Results(
         scenes={scene.name: scene.title for scene in chosen_scenes},
         methods={family.name: family.title for family in families},
         points=tuple(points),
-        steps=timed,
-        missing=_missing(chosen_scenes, families),
+        steps=timed[0],
+        impacts=timed[1],
+        waves=timed[2],
+        missing=_missing(chosen_scenes, families, steps=steps),
         versions=versions(families),
         machine=machine(),
         quick=quick,
@@ -105,11 +117,25 @@ def _scene_points(
     return points
 
 
+def _times(quick: bool, report: Callable[[str], None]) -> _Times:
+    """Times single steps, and the law alone if the library is there."""
+    duration, repeats = (2.0, 2) if quick else (20.0, 9)
+    steps = step_times(duration=duration, repeats=repeats, progress=report)
+    if library_obstacle():
+        return steps, (), ()
+    rounds = 5 if quick else 25
+    impacts = impact_times(rounds=rounds, progress=report)
+    return steps, impacts, wave_times(rounds=rounds, progress=report)
+
+
 def _missing(
-    scenes: Sequence[BenchScene], families: Sequence[MethodFamily]
+    scenes: Sequence[BenchScene], families: Sequence[MethodFamily], *, steps: bool
 ) -> dict[str, str]:
     """Returns why methods were not measured, at all or in some scenes."""
     reasons = {family.name: family.missing for family in families if family.missing}
+    if steps and library_obstacle():
+        for what in ("the law alone", "steps with an empty plugin"):
+            reasons[what] = library_obstacle()
     for family in families:
         for scene in scenes:
             obstacles = [one.obstacle(scene) for one in family.candidates]

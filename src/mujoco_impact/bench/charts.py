@@ -67,15 +67,10 @@ def draw_charts(results: Results, folder: Path) -> tuple[Path, ...]:
 
 def _scene_figure(results: Results, scene: str) -> Figure:
     """Returns the figure of a scene: one panel for each error that is known."""
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as missing:
-        msg = "charts need matplotlib: run `pip install mujoco-impact[plot]`"
-        raise MissingExtraError(msg) from missing
     points = results.of_scene(scene)
-    drawn = [error for error in ERRORS if any(_drawable(p, error) for p in points)]
+    drawn = [error for error in ERRORS if any(drawable(p, error) for p in points)]
     panels = max(1, len(drawn))
-    figure = Figure(figsize=(2.0 + 5.5 * panels, 6.6), layout="constrained")
+    figure = new_figure(2.0 + 5.5 * panels, 6.6)
     axes: Any = figure.subplots(1, panels, squeeze=False)[0]
     for axis, error in zip(axes, drawn, strict=False):
         _draw_panel(axis, points, error, results.methods)
@@ -95,18 +90,32 @@ def _scene_figure(results: Results, scene: str) -> Figure:
     return figure
 
 
+def new_figure(width: float, height: float) -> Figure:
+    """Returns an empty figure of a size [inch].
+
+    Raises:
+        MissingExtraError: If matplotlib is not installed.
+    """
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as missing:
+        msg = "charts need matplotlib: run `pip install mujoco-impact[plot]`"
+        raise MissingExtraError(msg) from missing
+    return Figure(figsize=(width, height), layout="constrained")
+
+
 def _draw_panel(
     axis: Axes, points: Sequence[Point], error: str, titles: dict[str, str]
 ) -> None:
     """Draws all points of a scene, and the front."""
     for method, title in titles.items():
-        mine = [p for p in points if p.method == method and _drawable(p, error)]
+        mine = [p for p in points if p.method == method and drawable(p, error)]
         if mine:
             _draw_method(axis, mine, error, title)
-    best = [point for point in front_of(points, error) if _drawable(point, error)]
+    best = [point for point in front_of(points, error) if drawable(point, error)]
     axis.step(
         [point.cost for point in best],
-        [_shown(point, error) for point in best],
+        [shown(point, error) for point in best],
         where="post",
         color="grey",
         linewidth=2.5,
@@ -151,7 +160,7 @@ def _draw_method(axis: Axes, points: Sequence[Point], error: str, title: str) ->
             zorder=6 if face == colour else 5,
         )
         for point in mine if integrator == "Euler" else []:
-            _name_point(axis, point, error)
+            name_point(axis, point, error)
 
 
 def _draw_points(
@@ -167,18 +176,18 @@ def _draw_points(
         "alpha": 0.8,
         "zorder": 3,
     }
-    heights = [_shown(point, error) for point in points]
+    heights = [shown(point, error) for point in points]
     costs = [point.cost for point in points]
     axis.plot(costs, heights, label=label, **(usual | style))
 
 
-def _name_point(axis: Axes, point: Point, error: str) -> None:
-    """Writes the timestep next to one of our points."""
+def name_point(axis: Axes, point: Point, error: str, *, above: bool = False) -> None:
+    """Writes the timestep next to one of our points: below left, or above right."""
     axis.annotate(
         f"{point.timestep * 1e3:g} ms",
-        (point.cost, _shown(point, error)),
-        xytext=(-7, -10),
-        ha="right",
+        (point.cost, shown(point, error)),
+        xytext=(7, 3) if above else (-7, -10),
+        ha="left" if above else "right",
         textcoords="offset points",
         fontsize=8,
         color="crimson",
@@ -186,11 +195,11 @@ def _name_point(axis: Axes, point: Point, error: str) -> None:
     )
 
 
-def _drawable(point: Point, error: str) -> bool:
+def drawable(point: Point, error: str) -> bool:
     """Returns whether a point has a place in the chart."""
     return math.isfinite(point.cost) and math.isfinite(getattr(point, error))
 
 
-def _shown(point: Point, error: str) -> float:
+def shown(point: Point, error: str) -> float:
     """Returns the height at which a point is drawn."""
     return min(max(float(getattr(point, error)), SMALLEST_ERROR), LARGEST_ERROR)

@@ -1,20 +1,16 @@
 """The Hertz chain integrated by compiled code without an engine: a lower bound.
 
-The library is `plugin/bench/hertz_chain.cc`; `scripts/bench` builds it. It resolves
-every impact in time, and nothing else: no collision detection, no general bodies.
+`plugin/bench/hertz_chain.cc` resolves every impact in time, and nothing else: no
+collision detection, no general bodies.
 """
 
 from __future__ import annotations
 
-import ctypes
-import os
 import time
-from functools import cache
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from mujoco_impact.bench.library import library_obstacle, load_library
 from mujoco_impact.bench.methods import Candidate, MethodFamily
 from mujoco_impact.bench.samples import Samples
 from mujoco_impact.bench.scenes import BASE_TIMESTEP, BenchScene
@@ -22,15 +18,10 @@ from mujoco_impact.bench.truths import Truth
 from mujoco_impact.errors import SimulationError
 from mujoco_impact.trajectory import Array
 
-LIBRARY_VARIABLE = "MUJOCO_IMPACT_BENCH_LIBRARY"
-"""Environment variable with the path of the library."""
-
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
 
 LONGEST_STEP = 0.01
 """Longest integration step [s]; an impact cannot be stepped over."""
-
-_DOUBLES: Any = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
 
 
 class CompiledChain:
@@ -79,7 +70,7 @@ class CompiledChain:
         angles = np.zeros((count, self._count))
         velocities = np.zeros_like(angles)
         angles[0], velocities[0] = self._start
-        steps = _library().hertz_chain_swing(
+        steps = load_library().hertz_chain_swing(
             self._count,
             self._length,
             *self._row,
@@ -99,9 +90,8 @@ class CompiledChain:
 def family() -> MethodFamily:
     """Returns the lower bound as a method."""
     name, title = "compiled-hertz", "compiled Hertz chain (no engine, lower bound)"
-    path = os.environ.get(LIBRARY_VARIABLE, "")
-    if not Path(path).is_file():
-        missing = f"{LIBRARY_VARIABLE} names no library (scripts/bench builds it)"
+    missing = library_obstacle()
+    if missing:
         return MethodFamily(name, title, (), missing=missing)
 
     def candidate(tolerance: float) -> Candidate:
@@ -118,16 +108,3 @@ def family() -> MethodFamily:
         )
 
     return MethodFamily(name, title, tuple(map(candidate, TOLERANCES)))
-
-
-@cache
-def _library() -> ctypes.CDLL:
-    library = ctypes.CDLL(os.environ[LIBRARY_VARIABLE])
-    swing = library.hertz_chain_swing
-    number = ctypes.c_double
-    swing.restype = ctypes.c_long
-    swing.argtypes = [
-        ctypes.c_int, number, *[_DOUBLES] * 5, number, number, number,
-        ctypes.c_int, _DOUBLES, _DOUBLES,
-    ]  # fmt: skip
-    return library

@@ -42,6 +42,15 @@ class Point:
     failure: str = ""
 
 
+def setting_of(point: Point) -> str:
+    """Returns timestep, integrator and setting in a few words."""
+    parts = [] if math.isnan(point.timestep) else [f"{point.timestep * 1e3:g} ms"]
+    parts.append(point.integrator)
+    if point.setting != "defaults":
+        parts.append(point.setting)
+    return ", ".join(part for part in parts if part)
+
+
 def front(pairs: Sequence[tuple[float, float]]) -> list[int]:
     """Returns which pairs (cost, error) no other pair beats, by rising cost.
 

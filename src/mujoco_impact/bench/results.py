@@ -7,15 +7,17 @@ import dataclasses
 import io
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from mujoco_impact.bench.impacts import ImpactTimes, WaveTimes
 from mujoco_impact.bench.points import Point
 from mujoco_impact.bench.steps import StepTimes
+from mujoco_impact.bench.summary import summarize
 from mujoco_impact.errors import ImpactError
 
-LAYOUT_VERSION = 1
+LAYOUT_VERSION = 2
 """Version of the layout of the JSON file."""
 
 CSV_NAME, JSON_NAME = "results.csv", "results.json"
@@ -37,6 +39,8 @@ class Results:
         methods: Title of each method by name.
         points: All points.
         steps: Times of single steps.
+        impacts: Times of single impacts, the law alone.
+        waves: Times of impacts that travel through long rows, the law alone.
         missing: Why a method was not measured, by its name, or that of the method and
             the scene.
         versions: Version of everything that was measured, by name.
@@ -48,6 +52,8 @@ class Results:
     methods: dict[str, str]
     points: tuple[Point, ...]
     steps: tuple[StepTimes, ...]
+    impacts: tuple[ImpactTimes, ...]
+    waves: tuple[WaveTimes, ...]
     missing: dict[str, str]
     versions: dict[str, str]
     machine: dict[str, str | int]
@@ -58,13 +64,13 @@ class Results:
         return [point for point in self.points if point.scene == scene]
 
     def to_dict(self) -> dict[str, Any]:
-        """Returns plain numbers and text; None stands for nan."""
+        """Returns plain numbers and text, with a summary; None stands for nan."""
         document = dataclasses.asdict(self)
-        for table in ("points", "steps"):
-            document[table] = [
-                {key: _plain(value) for key, value in row.items()}
-                for row in document[table]
-            ]
+        for table in _TABLES:
+            document[table] = list(map(_plain_row, document[table]))
+        # of the rounded points, so that it follows from the file
+        summaries = summarize(tuple(map(_point, document["points"])))
+        document["summary"] = [_plain_row(dataclasses.asdict(row)) for row in summaries]
         return {"layout_version": LAYOUT_VERSION, **document}
 
     @classmethod
@@ -80,8 +86,10 @@ class Results:
             msg = f"layout version {version}, this package reads {LAYOUT_VERSION}"
             raise ResultsError(msg)
         try:
-            fields["points"] = tuple(_point(row) for row in fields["points"])
-            fields["steps"] = tuple(StepTimes(**row) for row in fields["steps"])
+            # it follows from the points
+            del fields["summary"]
+            for table, of_row in _TABLES.items():
+                fields[table] = tuple(of_row(row) for row in fields[table])
             return cls(**fields)
         except (KeyError, TypeError) as error:
             raise ResultsError(f"these are not results: {error}") from error
@@ -116,8 +124,7 @@ def points_to_csv(points: Sequence[Point]) -> str:
     writer = csv.DictWriter(file, names, lineterminator="\n")
     writer.writeheader()
     for point in points:
-        row = {key: _plain(value) for key, value in dataclasses.asdict(point).items()}
-        writer.writerow(row)
+        writer.writerow(_plain_row(dataclasses.asdict(point)))
     return file.getvalue()
 
 
@@ -126,8 +133,14 @@ def points_from_csv(text: str) -> tuple[Point, ...]:
     return tuple(_point(row) for row in csv.DictReader(io.StringIO(text)))
 
 
+def _plain_row(row: dict[str, Any]) -> dict[str, Any]:
+    return {key: _plain(value) for key, value in row.items()}
+
+
 def _plain(value: Any) -> Any:
-    """Returns a number rounded, None for nan, and anything else as it is."""
+    """Returns a number rounded, None for nan, as JSON has it; the rest as it is."""
+    if isinstance(value, tuple):
+        return list(value)
     if not isinstance(value, float):
         return value
     return float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None
@@ -143,3 +156,12 @@ def _point(row: dict[str, Any]) -> Point:
         elif field.type == "bool":
             values[field.name] = value in (True, "True")
     return Point(**values)
+
+
+_TABLES: dict[str, Callable[[dict[str, Any]], Any]] = {
+    "points": _point,
+    "steps": lambda row: StepTimes(**row),
+    "impacts": lambda row: ImpactTimes(**row),
+    "waves": lambda row: WaveTimes(**row),
+}
+"""The tables of the document, and how a row of them is read."""

@@ -11,26 +11,19 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
 
-import cradle_models
-from mujoco_impact.bench.scenes import BASE_TIMESTEP
+from mujoco_impact.bench.library import library_obstacle
 from mujoco_impact.bench.simulate import START
+from mujoco_impact.bench.step_cases import StepCase, step_cases
 from mujoco_impact.runner import initial_data, load_model, step_count
-from mujoco_impact.scene import attach, detach
-from mujoco_impact.source import read_spec
 from mujoco_impact.trajectory import Array
 
-BALLS = (3, 5, 50)
-
-BEFORE_IMPACT = 0.2
-"""A ball let go at 30 degrees is still far from the row [s]."""
-
-ALONE_GAP, ALONE_RELEASE = 0.2, 10.0
-"""Gap [m] and release [deg] of a row whose balls never meet."""
+TURN = 50
+"""Steps of one model, before the other one has its turn."""
 
 MICROSECOND = 1e-6
 
@@ -41,6 +34,7 @@ class StepTimes:
 
     Attributes:
         case: What was stepped.
+        balls: Number of balls.
         steps: Number of steps.
         mean: Mean of ours.
         p50: Median of ours.
@@ -49,9 +43,12 @@ class StepTimes:
         disturbed: The longest single measurement of ours, disturbances included.
         floor: Mean of the floor.
         ratio: Mean of ours over mean of the floor.
+        per_ball: Mean of ours for each ball.
+        floor_per_ball: Mean of the floor for each ball.
     """
 
     case: str
+    balls: int
     steps: int
     mean: float
     p50: float
@@ -60,59 +57,64 @@ class StepTimes:
     disturbed: float
     floor: float
     ratio: float
+    per_ball: float
+    floor_per_ball: float
 
 
 def step_times(
     *,
     duration: float = 20.0,
-    repeats: int = 5,
+    repeats: int = 9,
+    cases: Sequence[StepCase] | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> tuple[StepTimes, ...]:
     """Times single steps of swinging rows, and of rows with nothing to do.
 
     Args:
-        duration: Simulated time of each motion [s].
-        repeats: Rounds; the fastest time of each step counts.
+        duration: Simulated time of each motion [s], unless the case is shorter.
+        repeats: Rounds, more of short motions; the fastest time of each step counts.
+        cases: What to step; None: everything that can be had.
         progress: Called with each case as it begins.
     """
     report = progress or (lambda _: None)
+    if cases is None:
+        cases = step_cases(library=not library_obstacle())
     results = list[StepTimes]()
-    for count in BALLS:
-        report(f"steps of {count} balls")
-        ours, floor = _timed_motion(cradle_models.row("A" * count), duration, repeats)
-        results.append(_summary(f"{count} swinging balls", ours, floor))
-        quiet = round(BEFORE_IMPACT / BASE_TIMESTEP)
-        if count == 5:
-            still = _summary(
-                "5 balls, nothing closes", ours[:, 1:quiet], floor[:, 1:quiet]
-            )
-    report("steps of balls that never meet")
-    alone = cradle_models.row("AAAAA", gap=ALONE_GAP, release=ALONE_RELEASE)
-    ours, floor = _timed_motion(alone, duration, repeats)
-    results += [still, _summary("5 balls, no contact", ours, floor)]
+    for case in cases:
+        report(f"steps of {case.title}")
+        seconds = min(duration, case.longest)
+        ours, floor = _timed_motion(case, seconds, repeats * case.rounds)
+        results.append(_summary(case, ours, floor))
     return tuple(results)
 
 
-def _timed_motion(xml: str, duration: float, repeats: int) -> tuple[Array, Array]:
-    """Returns times of every step of ours and of the floor [s], (repeats, steps)."""
-    plain = read_spec(xml)
-    attached = attach(plain)
-    ours, floor = load_model(attached), load_model(_floor(attached))
+def _timed_motion(case: StepCase, duration: float, repeats: int) -> tuple[Array, Array]:
+    """Returns times of every step of ours and of the floor [s], (repeats, steps).
+
+    But for the first one, in which memory is touched for the first time.
+    """
+    ours, floor = map(load_model, case.specs())
     states = _motion(ours, step_count(ours, duration))
-    rounds = [(_step_all(ours, states), _step_all(floor, states))
-              for _ in range(repeats)]  # fmt: skip
-    return (
-        np.array([times for times, _ in rounds]),
-        np.array([times for _, times in rounds]),
-    )
+    rounds = [_timed_round((ours, floor), states) for _ in range(repeats)]
+    times = np.array(rounds)[:, :, 1:]
+    return times[:, 0], times[:, 1]
 
 
-def _floor(attached: mujoco.MjSpec) -> mujoco.MjSpec:
-    """Returns a scene without the plugin, in which the same contacts are detected."""
-    floor = detach(attached)
-    for geom, owned in zip(floor.geoms, attached.geoms, strict=True):
-        geom.margin, geom.gap = owned.margin, owned.gap
-    return floor
+def _timed_round(
+    models: tuple[mujoco.MjModel, mujoco.MjModel], states: tuple[Array, Array]
+) -> Array:
+    """Returns times of the step from each state for both models [s], (2, steps).
+
+    They take turns of a few steps, so that both see the same disturbances.
+    """
+    runs = [(model, initial_data(model, keyframe=START)) for model in models]
+    count = len(states[0])
+    times = np.zeros((len(models), count))
+    for begin in range(0, count, TURN):
+        turn = slice(begin, begin + TURN)
+        for mine, (model, data) in zip(times, runs, strict=True):
+            mine[turn] = _step_all(model, data, states[0][turn], states[1][turn])
+    return times
 
 
 def _motion(model: mujoco.MjModel, steps: int) -> tuple[Array, Array]:
@@ -125,15 +127,16 @@ def _motion(model: mujoco.MjModel, steps: int) -> tuple[Array, Array]:
     return positions, velocities
 
 
-def _step_all(model: mujoco.MjModel, states: tuple[Array, Array]) -> Array:
+def _step_all(
+    model: mujoco.MjModel, data: mujoco.MjData, positions: Array, velocities: Array
+) -> Array:
     """Returns the time of the step from each state [s].
 
     For the model that made the motion, writing a state changes nothing.
     """
-    data = initial_data(model, keyframe=START)
     clock, step = time.perf_counter, mujoco.mj_step
-    times, calls = np.zeros(len(states[0])), np.zeros(len(states[0]))
-    for index, (qpos, qvel) in enumerate(zip(*states, strict=True)):
+    times, calls = np.zeros(len(positions)), np.zeros(len(positions))
+    for index, (qpos, qvel) in enumerate(zip(positions, velocities, strict=True)):
         data.qpos[:], data.qvel[:] = qpos, qvel
         begin = clock()
         step(model, data, nstep=0)
@@ -144,12 +147,13 @@ def _step_all(model: mujoco.MjModel, states: tuple[Array, Array]) -> Array:
     return times - float(np.median(calls))
 
 
-def _summary(case: str, ours: Array, floor: Array) -> StepTimes:
+def _summary(case: StepCase, ours: Array, floor: Array) -> StepTimes:
     """Returns the numbers of one motion, from times of shape (repeats, steps) [s]."""
     best = ours.min(axis=0) / MICROSECOND
     lowest = floor.min(axis=0) / MICROSECOND
     return StepTimes(
-        case=case,
+        case=case.title,
+        balls=case.balls,
         steps=len(best),
         mean=float(best.mean()),
         p50=float(np.percentile(best, 50)),
@@ -158,4 +162,6 @@ def _summary(case: str, ours: Array, floor: Array) -> StepTimes:
         disturbed=float(ours.max() / MICROSECOND),
         floor=float(lowest.mean()),
         ratio=float(best.mean() / lowest.mean()),
+        per_ball=float(best.mean() / case.balls),
+        floor_per_ball=float(lowest.mean() / case.balls),
     )

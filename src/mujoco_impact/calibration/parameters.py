@@ -52,6 +52,11 @@ class Parameters:
             "kappa": self.kappa,
         }
 
+    @property
+    def friction(self) -> dict[str, Any]:
+        """Settings for `attach` that switch friction on, equations (7)-(9)."""
+        return {"friction": "paper", "mu_s": self.mu_s, "mu_d": self.mu_d}
+
 
 def write_parameters(
     parameters: Parameters, path: str | os.PathLike[str], **report: Any

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -70,10 +71,21 @@ def hertz_truth(balls: Sequence[BallLike], *, restitution: float = 1.0) -> Truth
         balls: Balls with `mass` [kg] and `radius` [m], ball 1 coming in.
         restitution: Energetic restitution (bi-stiffness) of every contact.
     """
-    masses = [ball.mass for ball in balls]
+    return _hertz_truth(
+        tuple(ball.mass for ball in balls),
+        tuple(ball.radius for ball in balls),
+        restitution,
+    )
+
+
+@cache
+def _hertz_truth(
+    masses: tuple[float, ...], radii: tuple[float, ...], restitution: float
+) -> Truth:
+    """Returns the impact of a row; integrated to 1e-12, so worth keeping."""
     impact = first_impact(
         masses,
-        [ball.radius for ball in balls],
+        radii,
         restitution=restitution,
         dissipation=None if restitution == 1 else "bistiffness",
     )

@@ -24,7 +24,9 @@ def bench(
     quick: Annotated[
         bool, typer.Option("--quick", help="Only the recommended settings.")
     ] = False,
-    steps: Annotated[bool, typer.Option(help="Time single steps, too.")] = True,
+    steps: Annotated[
+        bool, typer.Option(help="Time single steps and impacts, too.")
+    ] = True,
     json_file: JsonOption = None,
 ) -> None:
     """Measure run time against error for many methods, and draw the charts."""

@@ -12,6 +12,7 @@ from mujoco_impact import tables
 from mujoco_impact.cli.options import (
     START_KEYFRAME,
     DurationOption,
+    FrictionOption,
     JsonOption,
     KeyframeOption,
     ModelArgument,
@@ -45,6 +46,7 @@ def compare(
     keyframe: KeyframeOption = None,
     settings: SetOption = None,
     params: ParamsOption = None,
+    friction: FrictionOption = False,
     png: Annotated[
         Path | None, typer.Option(help="Picture to write [default: MODEL.png].")
     ] = None,
@@ -55,7 +57,11 @@ def compare(
         path = model_path(model)
         start = start_keyframe(read_spec(path), keyframe)
         comparison = _compared(
-            path, duration, start, parsed_settings(settings, params), json_file
+            path,
+            duration,
+            start,
+            parsed_settings(settings, params, friction=friction),
+            json_file,
         )
         picture = png or Path(f"{path.stem}_comparison.png")
         _show_comparison(comparison, picture, json_file)

@@ -35,6 +35,10 @@ ParamsOption = Annotated[
         help="Parameters of the law calibrated, from `mujoco-impact calibrate`.",
     ),
 ]
+FrictionOption = Annotated[
+    bool,
+    typer.Option("--friction", help="With the friction factors of --params, too."),
+]
 JsonOption = Annotated[
     str | None,
     typer.Option("--json", metavar="FILE", help="Write JSON; '-' is standard output."),

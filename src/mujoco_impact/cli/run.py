@@ -12,6 +12,7 @@ import typer
 from mujoco_impact import tables
 from mujoco_impact.cli.options import (
     DurationOption,
+    FrictionOption,
     JsonOption,
     KeyframeOption,
     ModelArgument,
@@ -32,6 +33,7 @@ def run(
     keyframe: KeyframeOption = None,
     settings: SetOption = None,
     params: ParamsOption = None,
+    friction: FrictionOption = False,
     every: Annotated[int, typer.Option(help="Steps between two samples.")] = 1,
     native: Annotated[
         bool, typer.Option("--native", help="Leave all contacts to MuJoCo.")
@@ -43,7 +45,9 @@ def run(
 ) -> None:
     """Simulate a model with our impacts and list them."""
     with clean_errors():
-        spec = scene_of(model, parsed_settings(settings, params), native=native)
+        spec = scene_of(
+            model, parsed_settings(settings, params, friction=friction), native=native
+        )
         begin = time.perf_counter()
         with progress(json_file) as report:
             trajectory = run_model(

@@ -36,7 +36,7 @@ def scene_of(model: str, settings: dict[str, Any], *, native: bool) -> mujoco.Mj
     present = owned_geoms(spec)
     if settings and (present or native):
         reason = "it runs with --native" if native else "it has the plugin already"
-        msg = f"--set and --params have no effect on {model!r}: {reason}"
+        msg = f"--set (or --params) has no effect on {model!r}: {reason}"
         raise ConfigError(msg)
     if native or present:
         return spec
@@ -44,12 +44,23 @@ def scene_of(model: str, settings: dict[str, Any], *, native: bool) -> mujoco.Mj
 
 
 def parsed_settings(
-    settings: list[str] | None, params: Path | None = None
+    settings: list[str] | None, params: Path | None = None, *, friction: bool = False
 ) -> dict[str, Any]:
-    """Returns the settings of a file of parameters, then those given as KEY=VALUE."""
+    """Returns the settings of a file of parameters, then those given as KEY=VALUE.
+
+    Args:
+        settings: Texts KEY=VALUE.
+        params: File of parameters.
+        friction: Whether to take its friction factors, too.
+    """
     parsed: dict[str, Any] = {}
+    if friction and params is None:
+        raise ConfigError("--friction needs --params, which has its factors")
     if params is not None:
-        parsed = {"law": "calibrated", **read_parameters(params).settings}
+        found = read_parameters(params)
+        parsed = {"law": "calibrated", **found.settings}
+        if friction:
+            parsed |= found.friction
     for setting in settings or []:
         key, equals, value = setting.partition("=")
         if not (key and equals and value):

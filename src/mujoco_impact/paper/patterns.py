@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import mujoco
@@ -38,6 +39,7 @@ class Outcome:
     energy: float
 
 
+@cache
 def drop_speed() -> float:
     """Returns the impact speed of the paper [m/s], which it does not print.
 

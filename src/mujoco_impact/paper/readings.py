@@ -102,11 +102,11 @@ def second_contact() -> tuple[SecondContact, ...]:
 def _first_factor(pattern: str, kappa: float) -> float:
     """Returns alpha_1 S_h W over the physical P_12/p, which is 1/c."""
     given = printed(pattern)
-    balls = cradle_models.balls(pattern)
     p = float(given.masses[0]) * drop_speed()
-    share = hertz_truth(balls, restitution=RESTITUTION).share[0]
     width = _width(given.parameters.sw, p, kappa)
-    return float(given.parameters.alpha[0] * given.parameters.sh * width / share)
+    height = given.parameters.alpha[0] * given.parameters.sh
+    truth = hertz_truth(cradle_models.balls(pattern), restitution=RESTITUTION)
+    return height * width / float(truth.share[0])
 
 
 def _width(sw: float, momentum: float, kappa: float = DEFAULT_KAPPA) -> float:

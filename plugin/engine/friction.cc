@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/friction.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/islands.h"
+#include "engine/point.h"
+#include "law/friction.h"
+
+namespace mujoco_impact::engine {
+
+namespace {
+
+// A row like that of a contact, for a direction along the surface.
+struct SlipRow {
+  RowSegment segment[2];
+};
+
+SlipRow MakeSlipRow(const mjModel* m, const ContactRow& row, Scratch& scratch) {
+  SlipRow slip;
+  for (int i = 0; i < 2; ++i) {
+    const int tree = row.segment[i].tree;
+    const int dofs = tree < 0 ? 0 : m->tree_dofnum[tree];
+    slip.segment[i] = {tree, scratch.Zeros(dofs), scratch.Zeros(dofs)};
+  }
+  return slip;
+}
+
+// Where the surface of a side is touched.
+Vector3 SurfaceAt(const mjModel* m, const ContactRow& row, int side, mjtNum tau) {
+  const int geom = row.contact->geom[side];
+  const Vector3 point = row.path.SideAt(side, tau);
+  if (m->geom_type[geom] != mjGEOM_SPHERE) return point;
+  const mjtNum radius = m->geom_size[3 * geom];
+  return point + (side == 0 ? radius : -radius) * row.normal;
+}
+
+// slip = dᵀ(J₂ − J₁) at the surfaces
+void FillSlipRow(const mjModel* m, const mjData* d, const ContactRow& row, const Motion& motion,
+                 mjtNum tau, const Vector3& direction, SlipRow& slip) {
+  for (const RowSegment& segment : slip.segment) {
+    if (segment.tree >= 0) mju_zero(segment.jacobian, m->tree_dofnum[segment.tree]);
+  }
+  const ContactTrees trees = TreesOf(m, *row.contact);
+  const bool merged = trees.tree[0] == trees.tree[1];
+  for (int i = 0; i < 2; ++i) {
+    if (trees.tree[i] < 0) continue;
+    AddRowAt(m, d, row.path.side(i), motion, tau, SurfaceAt(m, row, i, tau), direction,
+             i == 0 ? -1 : 1, slip.segment[merged ? 0 : i].jacobian);
+  }
+}
+
+mjtNum Times(const mjModel* m, const SlipRow& slip, const mjtNum* x) {
+  mjtNum sum = 0;
+  for (const RowSegment& segment : slip.segment) {
+    if (segment.tree < 0) continue;
+    sum +=
+        mju_dot(segment.jacobian, x + m->tree_dofadr[segment.tree], m->tree_dofnum[segment.tree]);
+  }
+  return sum;
+}
+
+// The velocity with which side 0 slides over side 1 at τ.
+Vector3 SlipVelocity(const mjModel* m, const mjData* d, const ContactRow& row, const Motion& motion,
+                     mjtNum tau, const mjtNum* velocity, SlipRow& slip) {
+  const Vector3& n = row.normal;
+  const Vector3 other = std::abs(n.x) < 0.5 ? Vector3{1, 0, 0} : Vector3{0, 1, 0};
+  const Vector3 across = Cross(n, other);
+  const Vector3 first = 1 / Norm(across) * across;
+  Vector3 result{};
+  for (const Vector3& axis : {first, Cross(n, first)}) {
+    FillSlipRow(m, d, row, motion, tau, axis, slip);
+    result += -Times(m, slip, velocity) * axis;
+  }
+  return result;
+}
+
+// x += s Jᵀ and y += s M⁻¹ Jᵀ of a row.
+void AddSegments(const mjModel* m, const RowSegment* segments, mjtNum s, mjtNum* x, mjtNum* y) {
+  for (int i = 0; i < 2; ++i) {
+    const RowSegment& segment = segments[i];
+    if (segment.tree < 0) continue;
+    const int begin = m->tree_dofadr[segment.tree], dofs = m->tree_dofnum[segment.tree];
+    if (x) mju_addToScl(x + begin, segment.jacobian, s, dofs);
+    mju_addToScl(y + begin, segment.inverse_inertia, s, dofs);
+  }
+}
+
+// Fills `slip` with the row of ρ t and returns ρ t; zero without friction.
+Vector3 SlipOf(const mjModel* m, const mjData* d, const Config& config, const IslandSystem& system,
+               int k, const Motion& motion, mjtNum tau, const mjtNum* velocity, mjtNum impulse,
+               SlipRow& slip) {
+  const ContactRow& row = system.row[k];
+  const Vector3 u = SlipVelocity(m, d, row, motion, tau, velocity, slip);
+  const mjtNum speed = Norm(u);
+  if (speed < mjMINVAL) return {};
+  const mjtNum mass = IncomingMass(m, system, k, velocity);
+  const mjtNum closing = std::max<mjtNum>(0, -RowTimes(m, row, velocity));
+  const mjtNum friction =
+      law::FrictionImpulse(config.paper_friction, mass * closing, mass * speed, impulse);
+  if (friction <= 0) return {};
+  const Vector3 tangent = friction / (impulse * speed) * u;
+  FillSlipRow(m, d, row, motion, tau, tangent, slip);
+  for (const RowSegment& segment : slip.segment) {
+    if (segment.tree < 0) continue;
+    mju_copy(segment.inverse_inertia, segment.jacobian, m->tree_dofnum[segment.tree]);
+    SolveTreeInertia(m, d, segment.tree, segment.inverse_inertia);
+  }
+  return tangent;
+}
+
+}  // namespace
+
+void AddFriction(const mjModel* m, const mjData* d, const Config& config, const Motion& motion,
+                 mjtNum tau, const mjtNum* velocity, IslandSystem& system, Impact* impacts,
+                 Scratch& scratch) {
+  const int nv = static_cast<int>(m->nv);
+  SlipRow* slip = scratch.Take<SlipRow>(system.size);
+  mjtNum* after = scratch.Take<mjtNum>(nv);  // velocity after the normal impulses
+  mjtNum* force = scratch.Zeros(nv);         // f
+  mjtNum* kick = scratch.Zeros(nv);          // M⁻¹ f
+  mju_copy(after, velocity, nv);
+  for (int k = 0; k < system.size; ++k) {
+    const mjtNum P = impacts[k].impulse;
+    if (P <= 0) continue;
+    slip[k] = MakeSlipRow(m, system.row[k], scratch);
+    AddSegments(m, system.row[k].segment, P, nullptr, after);
+    impacts[k].tangent = SlipOf(m, d, config, system, k, motion, tau, velocity, P, slip[k]);
+    if (Norm(impacts[k].tangent) > 0) AddSegments(m, slip[k].segment, P, force, kick);
+  }
+  mjtNum scale = 1;
+  if (config.passive) {
+    const mjtNum linear = -mju_dot(force, after, nv), quadratic = mju_dot(force, kick, nv);
+    if (quadratic <= 0) return;
+    scale = std::clamp<mjtNum>(2 * linear / quadratic, 0, 1);
+  }
+  for (int k = 0; k < system.size; ++k) {
+    if (impacts[k].impulse <= 0 || Norm(impacts[k].tangent) == 0) continue;
+    impacts[k].tangent = scale * impacts[k].tangent;
+    for (int i = 0; i < 2; ++i) {
+      const RowSegment& row = system.row[k].segment[i];
+      if (row.tree < 0) continue;
+      const int dofs = m->tree_dofnum[row.tree];
+      mju_addToScl(row.jacobian, slip[k].segment[i].jacobian, scale, dofs);
+      mju_addToScl(row.inverse_inertia, slip[k].segment[i].inverse_inertia, scale, dofs);
+    }
+  }
+}
+
+}  // namespace mujoco_impact::engine

@@ -1,0 +1,108 @@
+"""The table of the README, from the points of a `results.csv`.
+
+`scripts/bench` ends with it: ``python -m mujoco_impact.bench.readme CSV README``.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from mujoco_impact.bench.points import Point
+from mujoco_impact.bench.results import ResultsError, points_from_csv
+from mujoco_impact.bench.scenes import SCENES
+from mujoco_impact.bench.summary import Summary, summarize
+from mujoco_impact.errors import ImpactError
+
+BEGIN = "<!-- written by scripts/bench from docs/benchmarks/results.csv -->"
+END = "<!-- end of what scripts/bench writes -->"
+
+SHOWN = ("S1", "S2", "S4", "S5", "e09")
+"""Scenes of the table."""
+
+ENGINES = {
+    "exudyn": "Exudyn",
+    "pymunk": "Pymunk",
+    "pybullet": "PyBullet",
+    "dart": "DART",
+}
+
+HEADINGS = (
+    "scene",
+    "ours",
+    "run time",
+    "error",
+    "MuJoCo's defaults",
+    "best MuJoCo at no more run time",
+    "most accurate other engine (run time)",
+)
+
+
+def readme_table(points: Sequence[Point]) -> str:
+    """Returns the table in Markdown, one line per scene that has points of ours."""
+    lines = [HEADINGS, ("---",) * len(HEADINGS)]
+    for row in summarize(points):
+        if row.scene in SHOWN and row.error == "velocity_error":
+            lines.append(_cells(row))
+    return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
+
+
+def with_table(text: str, table: str) -> str:
+    """Returns a README with the table between its two comments.
+
+    Raises:
+        ResultsError: If a comment is missing.
+    """
+    before, begin, rest = text.partition(f"{BEGIN}\n")
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        msg = f"the table has no place: {BEGIN!r} and {END!r} must stand in the text"
+        raise ResultsError(msg)
+    return f"{before}{begin}{table}{end}{after}"
+
+
+def _cells(row: Summary) -> tuple[str, ...]:
+    """Returns the cells of a line."""
+    engine = "-"
+    if math.isfinite(row.engine):
+        name = ENGINES.get(row.engine_name, row.engine_name)
+        engine = f"{_error(row.engine)} ({name}, {row.engine_cost:.2g})"
+    # "ours, 2 ms, Euler": the heading says the first word
+    setting = row.setting.partition(", ")[2]
+    return (
+        SCENES[row.scene].title,
+        setting,
+        f"{row.cost:.2f}",
+        _error(row.ours),
+        _error(row.default),
+        _error(row.mujoco),
+        engine,
+    )
+
+
+def _error(value: float) -> str:
+    """Returns an error to one digit, as in 5e-6 or 0.4."""
+    if math.isnan(value):
+        return "-"
+    if value >= 0.1:
+        return f"{value:.1f}"
+    mantissa, _, exponent = f"{value:.0e}".partition("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def main(table: str, readme: str) -> None:
+    """Writes the table into the README."""
+    points = points_from_csv(Path(table).read_text(encoding="utf-8"))
+    file = Path(readme)
+    text = with_table(file.read_text(encoding="utf-8"), readme_table(points))
+    file.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    try:
+        main(*sys.argv[1:])
+    except ImpactError as error:
+        sys.stderr.write(f"{error}\n")
+        raise SystemExit(2) from error
