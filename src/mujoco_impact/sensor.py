@@ -19,6 +19,9 @@ from mujoco_impact.trajectory import Array
 
 NUMBERS_PER_GEOM = 7
 
+IMPULSE = 3
+"""Place of the impulse among the numbers of a geom."""
+
 
 @dataclass(frozen=True, eq=False)
 class SensorReading:
@@ -44,7 +47,7 @@ def read_sensor(values: Array) -> SensorReading:
     table = values.reshape(-1, NUMBERS_PER_GEOM)
     return SensorReading(
         force=table[:, :3].copy(),
-        impulse=table[:, 3].copy(),
+        impulse=table[:, IMPULSE].copy(),
         peak=table[:, 4].copy(),
         alpha=table[:, 5].copy(),
         count=table[:, 6].copy(),

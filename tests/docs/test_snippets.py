@@ -19,7 +19,10 @@ from mujoco_impact.cli import app
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = ("README.md", "plugin/README.md", "cradle_models/README.md",
              "docs/design.md", "docs/paper.md", "docs/paper_results.md",
-             "docs/calibration_coverage.md", "CONTRIBUTING.md")  # fmt: skip
+             "docs/calibration_coverage.md", "docs/environments.md",
+             "CONTRIBUTING.md")  # fmt: skip
+# optional libraries, and how code that needs one is known
+OPTIONAL = {"dm_control": "dm_control|envs.load", "gymnasium": "gymnasium"}
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#\s]+)(#[^)\s]*)?\)")
 
@@ -62,6 +65,9 @@ def test_there_are_snippets_of_every_kind():
 @pytest.mark.parametrize("snippet", snippets("python"), ids=str)
 def test_python_runs_and_prints_what_it_says(snippet, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    for library, use in OPTIONAL.items():
+        if re.search(use, snippet.code):
+            pytest.importorskip(library)
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
         exec(compile(snippet.code, str(snippet), "exec"), {"__name__": "snippet"})

@@ -38,5 +38,5 @@ class Damp(CradleTask):
 
     def reward(self, data: Any) -> float:
         """Returns 1 at rest, less the more energy there is (as a height)."""
-        height = float(self.state.heights(data).sum())
+        height = sum(self.state.heights(data))
         return tolerance(height, low=0.0, high=REST, margin=FAR - REST)

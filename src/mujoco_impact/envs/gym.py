@@ -134,7 +134,10 @@ class CradleEnv(gymnasium.Env):  # type: ignore[misc]
 
     def _check(self) -> None:
         """Raises SimulationError if MuJoCo gave a warning."""
-        for number in np.flatnonzero(self.data.warning.number):
+        numbers = self.data.warning.number
+        if not numbers.any():
+            return
+        for number in np.flatnonzero(numbers):
             name = mujoco.mjtWarning(int(number)).name
             msg = f"MuJoCo gave the warning {name} by {self.data.time:.6g} s"
             raise SimulationError(msg, time=float(self.data.time))

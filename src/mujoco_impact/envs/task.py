@@ -73,11 +73,15 @@ class CradleTask(ABC):
 
     def after_step(self, data: Any) -> None:
         """Follows how far the balls swing out; called after every control step."""
-        out = self.state.angles(data) > OUT_ANGLE
-        if out[-1] and not self._was_out:
+        angles = data.qpos.tolist()
+        is_out = angles[-1] > OUT_ANGLE
+        if is_out and not self._was_out:
             self.reach = np.zeros(self.state.size)
-        self._was_out = bool(out[-1])
-        self.reach = np.where(out, self.state.heights(data), self.reach)
+        self._was_out = is_out
+        for ball, angle in enumerate(angles):
+            if angle > OUT_ANGLE:
+                speed = float(data.qvel[ball])
+                self.reach[ball] = self.state.height(ball, angle, speed)
 
     def observation(self, data: Any) -> dict[str, Array]:
         """Returns the observations by name, as copies."""
