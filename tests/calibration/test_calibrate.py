@@ -60,12 +60,12 @@ def test_exact_shots_give_the_generating_values_within_a_grid_step(pattern):
 
 
 def test_intervals_hold_the_truth_with_one_percent_noise():
-    """Stated: 95 %. The whole run is docs/calibration_coverage.md; 8 seeds here.
+    """Stated: 95 %. The whole run is docs/calibration_coverage.md; 5 seeds here.
 
-    At a true coverage of 95 % fewer than 6 of 8 hold once in 170 runs; seeds are fixed.
+    At a true coverage of 95 % fewer than 4 of 5 hold once in 40 runs; seeds are fixed.
     """
-    for row in coverage("AAB", seeds=range(8)):
-        assert row.held >= 6 / 8, row
+    for row in coverage("AAB", seeds=range(5)):
+        assert row.held >= 4 / 5, row
         assert row.width < 0.05  # and they say something
 
 

@@ -36,7 +36,7 @@ def scene_of(model: str, settings: dict[str, Any], *, native: bool) -> mujoco.Mj
     present = owned_geoms(spec)
     if settings and (present or native):
         reason = "it runs with --native" if native else "it has the plugin already"
-        msg = f"--set (or --params) has no effect on {model!r}: {reason}"
+        msg = f"--set and --params have no effect on {model!r}: {reason}"
         raise ConfigError(msg)
     if native or present:
         return spec
