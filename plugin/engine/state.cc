@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "engine/config.h"
 #include "engine/ownership.h"
@@ -24,7 +25,9 @@ int SlotNumber(int capacity) { return 2 * capacity + 2; }
 constexpr double kMaxCount = 1e15;
 
 bool IsCount(double number, double most) {
-  return number >= 0 && number <= most && number == std::floor(number);
+  // the conversion is exact up to kMaxCount, and cheaper than rounding
+  return number >= 0 && number <= most &&
+         number == static_cast<double>(static_cast<int64_t>(number));
 }
 
 // Whether the header is one that Reset wrote for a state of this size, and the steps since.
