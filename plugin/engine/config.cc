@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "law/hertz_contact.h"
+#include "law/impact_law.h"
 #include "law/viscous.h"
 
 namespace mujoco_impact::engine {
@@ -26,6 +27,7 @@ constexpr char kYoung[] = "young";
 constexpr char kPoisson[] = "poisson";
 constexpr char kDuration[] = "duration";
 constexpr char kTouch[] = "touch";
+constexpr char kTolerance[] = "tolerance";
 constexpr char kPassive[] = "passive";
 constexpr char kAlpha[] = "alpha";
 constexpr char kHeight[] = "sh";
@@ -52,6 +54,9 @@ constexpr NumberRule kYoungRule{
 constexpr NumberRule kPoissonRule{kPoisson, 0.3, -1, 0.5, false, true, "a number in (-1, 0.5]"};
 constexpr NumberRule kTouchRule{
     kTouch, 1e-9, 0, kInfinity, true, false, "a finite number >= 0 [m]"};
+constexpr NumberRule kToleranceRule{
+    kTolerance, law::kDefaultTolerance,     law::kSmallestTolerance, law::kLargestTolerance, true,
+    true,       "a number in [1e-12, 1e-2]"};
 constexpr NumberRule kHeightRule{
     kHeight, 0, 0, kInfinity, false, false, "a finite number > 0 [N s/(kg m)]"};
 constexpr NumberRule kWidthRule{kWidth, 0, 0, kInfinity, true, false, "a finite number >= 0"};
@@ -138,6 +143,14 @@ void ReadDuration(Reader& reader, Config& config) {
   }
 }
 
+// The factors are looked up only if they count, or are to be checked: most scenes have no friction.
+void ReadFriction(Reader& reader, Config& config, bool check) {
+  config.friction = reader.Word(kFriction, {"none", "paper"}, "'none' or 'paper'") == 1;
+  config.paper_friction = {0, 0};
+  if (!config.friction && !check) return;
+  config.paper_friction = {reader.Number(kStaticRule), reader.Number(kDynamicRule)};
+}
+
 void CheckAlpha(Reader& reader, const Config& config, int owned) {
   const int count = ReadList(config.alpha, nullptr, 0);
   char note[96] = "";
@@ -188,7 +201,7 @@ void CheckCombination(Reader& reader, const Config& config, int owned) {
 const char* const kAttributes[] = {kLaw,      kRestitution, kDissipation, kYoung, kPoisson,
                                    kDuration, kTouch,       kPassive,     kAlpha, kHeight,
                                    kWidth,    kBaseWidth,   kUnitFactor,  kShape, kFriction,
-                                   kStatic,   kDynamic};
+                                   kStatic,   kDynamic,     kTolerance};
 const int kAttributeCount = sizeof(kAttributes) / sizeof(kAttributes[0]);
 
 int ReadList(const char* text, double* values, int size) {
@@ -219,14 +232,14 @@ Config ReadConfig(const mjModel* m, int instance, int owned, ConfigError* error)
   config.effective_modulus =
       law::EffectiveModulus(reader.Number(kYoungRule), reader.Number(kPoissonRule));
   config.touch = reader.Number(kTouchRule);
+  config.tolerance = reader.Number(kToleranceRule);
   config.calibrated.height_factor = reader.Number(kHeightRule);
   config.calibrated.duration_factor = reader.Number(kWidthRule);
   config.calibrated.base_duration = reader.Number(kBaseWidthRule);
   config.calibrated.unit_factor = reader.Number(kUnitFactorRule);
   const double shape = reader.Number(kShapeRule);
   config.waveform_restitution = config.law == Law::kCalibrated ? shape : config.restitution;
-  config.friction = reader.Word(kFriction, {"none", "paper"}, "'none' or 'paper'") == 1;
-  config.paper_friction = {reader.Number(kStaticRule), reader.Number(kDynamicRule)};
+  ReadFriction(reader, config, error != nullptr);
   config.alpha = reader.Text(kAlpha);
   ReadDuration(reader, config);
   if (error) CheckCombination(reader, config, owned);

@@ -25,8 +25,9 @@ struct Config {
   law::Dissipation dissipation;
   double effective_modulus;  // E* [Pa]
   DurationRule duration_rule;
-  double duration;  // [s], for kFixed
-  double touch;     // gaps below it count as touching [m]
+  double duration;   // [s], for kFixed
+  double touch;      // gaps below it count as touching [m]
+  double tolerance;  // of the integration of an impact, relative [-]
   bool passive;
   law::CalibratedWaveform calibrated;
   double waveform_restitution;  // E of the shape [-]

@@ -33,14 +33,13 @@ void AddTangent(const mjModel* m, const mjData* d, const Pulse& pulse, const Vec
 // Σ Jᵀ of a pulse whose normal impulse is 1, over all degrees of freedom.
 void AddPulseRow(const mjModel* m, const mjData* d, const Pulse& pulse, mjtNum* row) {
   const Vector3 normal = PulseNormal(m, d, pulse);
-  const bool slides = Norm(Load(pulse.tangent)) > 0;
   for (int side = 0; side < 2; ++side) {
     const BodyPoint point{BodyOf(m, pulse, side), PulsePoint(m, d, pulse, side)};
     const int last = LastDof(m, point.body);
     if (last < 0) continue;
     mjtNum* segment = row + m->tree_dofadr[m->dof_treeid[last]];
     AddRow(m, d, point, normal, side == 0 ? -1 : 1, segment);
-    if (slides) AddTangent(m, d, pulse, normal, side, point, segment);
+    if (pulse.slides()) AddTangent(m, d, pulse, normal, side, point, segment);
   }
 }
 

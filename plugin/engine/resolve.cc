@@ -84,7 +84,7 @@ void SolveHertz(const Config& config, const IslandSystem& system, const ImpactTi
                                   config.dissipation,
                                   time.timestep - time.start - time.tau,
                                   time.flight,
-                                  law::kDefaultTolerance};
+                                  config.tolerance};
   law::ImpactSolution solution{problem.impulse, problem.moment, problem.onset, problem.after};
   law::SolveImpact(impact, config.passive, &solution, problem.work);
 }

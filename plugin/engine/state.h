@@ -33,6 +33,8 @@ struct Pulse {
   double point[2][3];     // where the force acts, in the frames of the two bodies [m]
   double normal[3];       // world frame; for spheres the line of centres replaces it
   double tangent[3];      // tangential impulse over P_k, on geom[1], world frame [-]
+
+  bool slides() const { return tangent[0] != 0 || tangent[1] != 0 || tangent[2] != 0; }
 };
 
 // What the sensor reports of the last impact of a geom.

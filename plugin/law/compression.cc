@@ -138,7 +138,7 @@ double Integrator::TryStep(double h) {
 // expansion or back; 1 if none does. The rate of y changes there, so the step must end there.
 double Integrator::FractionToTurn() const {
   const double* c = lanes_.c;
-  const double c_floor = kSpeedFloor * scale_.speed;
+  const double c_floor = kSpeedFloor * problem_.tolerance * scale_.speed;
   double fraction = 1;
   for (int i = 0; i < lanes_.size(); ++i) {
     const bool turned = c[i] * c_new_[i] < 0 && std::abs(c_new_[i]) > c_floor;
@@ -188,7 +188,7 @@ void Integrator::UpdatePhases() {
 // The rate of expansion; a contact that may not expand drops its compression.
 void Integrator::SetRates() {
   const double e = problem_.restitution;
-  const double c_floor = kSpeedFloor * scale_.speed;
+  const double c_floor = kSpeedFloor * problem_.tolerance * scale_.speed;
   bool dropped = false;
   for (int i = 0; i < lanes_.size(); ++i) {
     // within the floor the sign that c is about to have decides

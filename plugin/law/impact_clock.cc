@@ -28,8 +28,8 @@ bool IsPressedFromBeside(const ImpactProblem& problem, const Lanes& lanes, int i
 }  // namespace
 
 bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Lanes& lanes, double t) {
-  const double y_floor = kCompressionFloor * scale.compression;
-  const double c_floor = kSpeedFloor * scale.speed;
+  const double y_floor = kCompressionFloor * problem.tolerance * scale.compression;
+  const double c_floor = kSpeedFloor * problem.tolerance * scale.speed;
   const double time_left = LongestFlight(problem, scale, t);
   for (int i = 0; i < lanes.size(); ++i) {
     const double y = lanes.y[i], c = lanes.c[i];

@@ -13,10 +13,10 @@
 
 namespace mujoco_impact::law {
 
-// Contacts whose compression and closing speed are below these parts of the scale are over. An
-// exact zero would cost 50 times the steps for the same impulses.
-constexpr double kCompressionFloor = 1e-5;
-constexpr double kSpeedFloor = 1e-6;
+// Contacts whose compression and closing speed are below these parts of the scale, in units of the
+// tolerance, are over. An exact zero would cost 50 times the steps for the same impulses.
+constexpr double kCompressionFloor = 1;
+constexpr double kSpeedFloor = 0.1;
 
 // Contacts that close within this many contact times after a force belong to the same impact, be it
 // beyond the horizon: to cut an impact in two would cost more than the geometry that turns

@@ -14,6 +14,7 @@ namespace mujoco_impact::law {
 
 // Error per step, relative; the impulses of elastic rows are then good to 1e-6.
 constexpr double kDefaultTolerance = 1e-5;
+constexpr double kSmallestTolerance = 1e-12, kLargestTolerance = 1e-2;
 
 // Numbers and indices of workspace that SolveImpact needs for an island of `size` contacts.
 int ImpactNumbers(int size);

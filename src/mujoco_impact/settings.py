@@ -28,6 +28,7 @@ SETTINGS: Mapping[str, str] = MappingProxyType(
         "poisson": "Poisson's ratio, > -1 and <= 0.5",
         "duration": "of the waveform: hertz | paper | a time [s] > 0",
         "touch": "largest gap that counts as touching [m], >= 0",
+        "tolerance": "of the integration of an impact, relative, 1e-12 to 1e-2",
         "passive": "never create energy: true | false",
         "alpha": "calibrated law: one factor per neighbouring pair of owned geoms",
         "sh": "calibrated law: height factor S_h",

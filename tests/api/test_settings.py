@@ -18,6 +18,7 @@ VALID = {
     "poisson": 0.3,
     "duration": 1e-3,
     "touch": 0.0,
+    "tolerance": 1e-6,
     "passive": True,
 }
 CALIBRATED = {

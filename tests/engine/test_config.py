@@ -63,6 +63,8 @@ def compile_with(config, option="", third=("geom", "c")):
         ({"duration": "long"}, "duration", "'hertz', 'paper' or"),
         ({"duration": "0"}, "duration", "> 0 [s]"),
         ({"touch": "-1e-9"}, "touch", ">= 0 [m]"),
+        ({"tolerance": "0"}, "tolerance", "[1e-12, 1e-2]"),
+        ({"tolerance": "0.1"}, "tolerance", "[1e-12, 1e-2]"),
         ({"passive": "yes"}, "passive", "'true' or 'false'"),
         ({"alpha": "1 1"}, "alpha", "law = 'calibrated'"),
         (CALIBRATED | {"alpha": "1 1 1"}, "alpha", "3 given, 2 needed"),

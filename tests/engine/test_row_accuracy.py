@@ -140,3 +140,19 @@ def test_energy_stays_over_twenty_seconds():
     assert len(motion.impacts) > 100
     # the sampled states may lie within a contact only for a few steps
     assert abs(np.median(energy[-100:]) / energy[0] - 1) < 2e-5
+
+
+def test_tolerance_sets_how_well_an_impact_is_integrated():
+    def impulses(tolerance):
+        scene = mujoco_impact.attach(
+            cradle_models.row("AAAAA"), restitution=1.0, tolerance=tolerance
+        )
+        motion = mujoco_impact.run(scene, duration=0.3, keyframe="release")
+        assert len(motion.impacts) == 4
+        return np.array([impact.impulse for impact in motion.impacts])
+
+    exact = impulses(1e-11)
+    errors = [np.abs(impulses(t) / exact - 1).max() for t in (1e-3, 1e-5, 1e-7)]
+    # a step may err by the tolerance; most of it is forgotten in the steps that follow
+    assert np.all(np.array(errors) < (1e-3, 1e-5, 1e-7))
+    assert errors[0] > 10 * errors[1] > 100 * errors[2] > 0

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 from rich.table import Table
 
 from mujoco_impact.cli.options import JsonOption
 from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
+
+if TYPE_CHECKING:
+    from mujoco_impact.paper.force_sensor import Series
 
 
 def paper(
@@ -61,21 +65,26 @@ def force_sensor(
                 "pictures": [str(picture) for picture in pictures],
             },
         )
-        table = Table(
-            title="largest distance between two shots, scaled by height", box=None
-        )
-        table.add_column("duration")
-        for heading in ("W [ms]", "waveforms", "impulses", "waveforms, time / W"):
-            table.add_column(heading, justify="right")
-        for one in series:
-            widths = [record.impact.duration * 1e3 for record in one.records]
-            table.add_row(
-                one.rule,
-                f"{min(widths):.3g} to {max(widths):.3g}",
-                f"{one.waveform_spread:.2g}",
-                f"{one.impulse_spread:.2g}",
-                f"{one.shape_spread:.2g}",
-            )
         console = console_of(json_file)
-        console.print(table)
+        console.print(_spread_table(series))
         console.out(f"pictures: {', '.join(map(str, pictures))}")
+
+
+def _spread_table(series: Sequence[Series]) -> Table:
+    """Returns how far shots are from one another under each rule for the duration."""
+    table = Table(
+        title="largest distance between two shots, scaled by height", box=None
+    )
+    table.add_column("duration")
+    for heading in ("W [ms]", "waveforms", "impulses", "waveforms, time / W"):
+        table.add_column(heading, justify="right")
+    for one in series:
+        widths = [record.impact.duration * 1e3 for record in one.records]
+        table.add_row(
+            one.rule,
+            f"{min(widths):.3g} to {max(widths):.3g}",
+            f"{one.waveform_spread:.2g}",
+            f"{one.impulse_spread:.2g}",
+            f"{one.shape_spread:.2g}",
+        )
+    return table
