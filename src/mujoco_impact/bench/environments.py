@@ -100,7 +100,14 @@ def _step_table(costs: Sequence[StepCost]) -> str:
 def _rollout_table(found: Sequence[Throughput]) -> str:
     """Returns the table of rollouts."""
     return _table(
-        ("threads", "rollouts", "time [s]", "rollouts/s", "result"),
+        (
+            "threads",
+            "rollouts",
+            "time [s]",
+            "processor time [s]",
+            "rollouts/s",
+            "result",
+        ),
         (dataclasses.astuple(one) for one in found),
     )
 
