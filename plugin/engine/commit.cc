@@ -2,6 +2,7 @@
 
 #include "engine/commit.h"
 
+#include "engine/gather.h"
 #include "engine/motion.h"
 #include "engine/runge_kutta.h"
 #include "engine/scratch.h"
@@ -23,6 +24,16 @@ void CorrectForEuler(const mjModel* m, mjData* d, State& state) {
   mju_addToScl(state.correction(), shift, -ImpulseLag(m) * h * h, m->nv);
 }
 
+// With both flags MuJoCo calls no passive plugin, though it does call advance. Compiled in they are
+// refused; this is for flags that are set afterwards.
+void WarnIfSilenced(const mjModel* m, const mjData* d, mjtNum touch) {
+  constexpr int kSilenced = mjDSBL_SPRING | mjDSBL_DAMPER;
+  if ((m->opt.disableflags & kSilenced) != kSilenced || !AnyMayClose(m, d, touch)) return;
+  mju_warning(
+      "mujoco_impact.waveform: an impact is missed, for the flags spring and damper are both "
+      "disabled and MuJoCo calls no passive plugin; enable one of them");
+}
+
 }  // namespace
 
 void CommitStep(const mjModel* m, mjData* d, int instance) {
@@ -30,6 +41,7 @@ void CommitStep(const mjModel* m, mjData* d, int instance) {
   Header& header = state.header();
   const bool half_step_missing = m->opt.integrator == mjINT_RK4 && !WasRungeKutta(state);
   header.stage_open = 0;
+  WarnIfSilenced(m, d, header.touch);
   if (header.pending != 0) {
     if (half_step_missing) CorrectForEuler(m, d, state);
     mj_integratePos(m, d->qpos, state.correction(), 1);

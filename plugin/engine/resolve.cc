@@ -112,9 +112,10 @@ void SolveCalibrated(const Config& config, const Ownership& ownership, const Isl
 }
 
 // W for the contact, from the first moment of its force about the onset: the waveform then has the
-// same centre of impulse.
+// same centre of impulse. A push that is rounding has its moment off by more than it lasts.
 mjtNum DurationFromMoment(mjtNum impulse, mjtNum moment, mjtNum onset, mjtNum restitution) {
-  return (moment / impulse - onset) / law::WaveformMoment(1, restitution);
+  constexpr mjtNum kShortest = 1e-12;  // [s]
+  return std::max(kShortest, (moment / impulse - onset) / law::WaveformMoment(1, restitution));
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include "engine/slots.h"
 
+#include <cstdint>
+
 #include "engine/ownership.h"
 #include "law/waveform.h"
 
@@ -64,7 +66,7 @@ bool AddPending(State& state, const Pulse& pulse, mjtNum delivered_next) {
   const int slots = state.slots();
   // oldest first: pulses fill the slots in turn, those under way keep theirs
   for (int i = 0; i < slots; ++i) {
-    const auto at = static_cast<long long>(serial - 1) + i;
+    const auto at = static_cast<int64_t>(serial - 1) + i;
     Pulse& slot = state.pulse(static_cast<int>(at % slots));
     if (!IsFree(slot)) continue;
     slot = pulse;

@@ -94,8 +94,8 @@ State::State(const mjModel* m, mjData* d, int instance) {
 }
 
 void State::ResetUnlessSound(const mjModel* m, int instance) {
-  if (std::all_of(pulses_, pulses_ + slots(), [m](const Pulse& p) { return IsPulse(m, p); }))
-    return;
+  const auto is_pulse = [m](const Pulse& pulse) { return IsPulse(m, pulse); };
+  if (std::all_of(pulses_, pulses_ + slots(), is_pulse)) return;
   WarnOfReset();
   Reset(m, reinterpret_cast<mjtNum*>(header_), instance);
 }

@@ -14,8 +14,6 @@ namespace mujoco_impact::law {
 
 namespace {
 
-constexpr int kMaxSteps = 1000000;
-
 // Below this restitution the expansion is so fast that it is over at once (e² < 1e-6 of the work).
 constexpr double kNoExpansion = 1e-3;
 
@@ -88,7 +86,7 @@ inline Pair Force(const double* stiffness, Pair y, int i) {
 // Forces and the deceleration W F that they cause.
 void Integrator::EvaluateStage(const double* y, int stage) {
   for (int i = 0, end = lanes_.padded(); i < end; i += 2) {
-    At(force_[stage] + i) = Force(lanes_.stiffness, At(y + i), i);
+    Put(force_[stage] + i, Force(lanes_.stiffness, At(y + i), i));
   }
   lanes_.Multiply(force_[stage], pull_[stage]);
 }
@@ -102,27 +100,27 @@ double Integrator::TryStep(double h) {
   const int size = lanes_.padded();
   for (int i = 0; i < size; i += 2) {
     const Pair g = hh * kStage2 * At(g1 + i);
-    At(F2 + i) = Force(K, At(y + i) + At(rate + i) * (kNode2 * h * At(c + i) - g), i);
+    Put(F2 + i, Force(K, At(y + i) + At(rate + i) * (kNode2 * h * At(c + i) - g), i));
   }
   lanes_.Multiply(F2, pull_[1]);
   for (int i = 0; i < size; i += 2) {
     const Pair g = hh * (kStage3[0] * At(g1 + i) + kStage3[1] * At(g2 + i));
-    At(F3 + i) = Force(K, At(y + i) + At(rate + i) * (kNode3 * h * At(c + i) - g), i);
+    Put(F3 + i, Force(K, At(y + i) + At(rate + i) * (kNode3 * h * At(c + i) - g), i));
   }
   lanes_.Multiply(F3, pull_[2]);
   for (int i = 0; i < size; i += 2) {
     const Pair g =
         hh * (kPosition[0] * At(g1 + i) + kPosition[1] * At(g2 + i) + kPosition[2] * At(g3 + i));
     const Pair y_new = At(y + i) + At(rate + i) * (h * At(c + i) - g);
-    At(y_new_ + i) = y_new;
-    At(F4 + i) = Force(K, y_new, i);
+    Put(y_new_ + i, y_new);
+    Put(F4 + i, Force(K, y_new, i));
   }
   lanes_.Multiply(F4, pull_[3]);
   Pair y_error{}, c_error{};
   for (int i = 0; i < size; i += 2) {
     const Pair a = At(g1 + i), b = At(g2 + i), d = At(g3 + i), e = At(g4 + i);
-    At(c_new_ + i) =
-        At(c + i) - h * (kVelocity[0] * a + kVelocity[1] * b + kVelocity[2] * d + kVelocity[3] * e);
+    Put(c_new_ + i, At(c + i) - h * (kVelocity[0] * a + kVelocity[1] * b + kVelocity[2] * d +
+                                     kVelocity[3] * e));
     const Pair dy = kPositionError[0] * a + kPositionError[1] * b + kPositionError[2] * d +
                     kPositionError[3] * e;
     const Pair dc = kVelocityError[0] * a + kVelocityError[1] * b + kVelocityError[2] * d +
@@ -167,8 +165,8 @@ void Integrator::Accept(double h) {
         h * (kVelocity[0] * a + kVelocity[1] * b + kVelocity[2] * d + kVelocity[3] * At(F4 + i));
     // ∫ t F over the step = (t + h) ΔP − ∫ (h − s) F ds
     const Pair remaining = hh * (kPosition[0] * a + kPosition[1] * b + kPosition[2] * d);
-    At(lanes_.moment + i) += after * dP - remaining;
-    At(lanes_.impulse + i) += dP;
+    Put(lanes_.moment + i, At(lanes_.moment + i) + (after * dP - remaining));
+    Put(lanes_.impulse + i, At(lanes_.impulse + i) + dP);
   }
   std::swap(lanes_.y, y_new_);
   std::swap(lanes_.c, c_new_);
@@ -268,7 +266,7 @@ ImpactReport Integrator::Run() {
   ImpactReport report{0, true};
   int turns = 0;
   while (!IsOver(problem_, scale_, lanes_, t_)) {
-    if (report.steps == kMaxSteps) {
+    if (report.steps == MaxSteps(problem_.delassus.size)) {
       report.converged = false;
       break;
     }

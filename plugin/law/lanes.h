@@ -42,8 +42,8 @@ class Lanes {
   void Multiply(const double* x, double* product) const {
     if (!tridiagonal_) return MultiplyRows(x, product);
     for (int i = 0, end = padded(); i < end; i += 2) {
-      At(product + i) = At(lower_ + i) * At(x + i - 1) + At(middle_ + i) * At(x + i) +
-                        At(upper_ + i) * At(x + i + 1);
+      Put(product + i, At(lower_ + i) * At(x + i - 1) + At(middle_ + i) * At(x + i) +
+                           At(upper_ + i) * At(x + i + 1));
     }
   }
 

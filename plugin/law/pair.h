@@ -12,12 +12,13 @@ namespace mujoco_impact::law {
 
 using Pair = double __attribute__((vector_size(16)));
 
-// A pair within an array of doubles.
-using PairInArray = double __attribute__((vector_size(16), aligned(8), may_alias));
+// The pair of numbers that begins at x, wherever that is.
+inline Pair At(const double* x) { return Pair{x[0], x[1]}; }
 
-// The pair of numbers that begins at x.
-inline PairInArray& At(double* x) { return *reinterpret_cast<PairInArray*>(x); }
-inline Pair At(const double* x) { return *reinterpret_cast<const PairInArray*>(x); }
+inline void Put(double* x, Pair pair) {
+  x[0] = pair[0];
+  x[1] = pair[1];
+}
 
 inline Pair Max(Pair a, Pair b) { return a > b ? a : b; }
 inline Pair Abs(Pair a) { return Max(a, -a); }

@@ -12,7 +12,6 @@ namespace mujoco_impact::law {
 
 namespace {
 
-constexpr int kMaxSteps = 1000000;
 constexpr int kStages = 7;
 
 // Dormand-Prince 5(4): row i combines the slopes of the stages before it; the last row is the step.
@@ -145,7 +144,7 @@ ImpactReport Integrator::Run() {
   double h = first_step;
   ImpactReport report{0, true};
   while (!IsOver(problem_, scale_, lanes_, t_)) {
-    if (report.steps == kMaxSteps) {
+    if (report.steps == MaxSteps(problem_.delassus.size)) {
       report.converged = false;
       break;
     }

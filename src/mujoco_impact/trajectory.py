@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import struct
 import zipfile
+import zlib
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -17,6 +19,21 @@ Array: TypeAlias = npt.NDArray[np.float64]
 
 LAYOUT_VERSION = 1
 """Version of the .npz layout that `Trajectory.save` writes."""
+
+_DAMAGE = (
+    OSError,
+    ValueError,
+    KeyError,
+    TypeError,
+    EOFError,
+    OverflowError,
+    RuntimeError,  # zipfile: encrypted, or NotImplementedError
+    SyntaxError,  # numpy: the header of an array
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+"""What NumPy and zipfile raise, depending on which bytes are wrong."""
 
 _ARRAYS = ("time", "qpos", "qvel", "energy")
 _SCALARS = ("timestep", "integrator", "mujoco_version", "missed_impacts")
@@ -125,13 +142,18 @@ class Trajectory:
             TrajectoryError: If the file is missing, damaged or of another layout.
         """
         try:
-            with np.load(path, allow_pickle=False) as file:
+            # opened here: NumPy leaves a file open that is no archive
+            with (
+                Path(path).open("rb") as stream,
+                np.load(stream, allow_pickle=False) as file,
+            ):
                 return _from_arrays({name: file[name] for name in file.files})
         except FileNotFoundError as error:
             msg = f"there is no trajectory file {os.fspath(path)!r}"
             raise TrajectoryError(msg) from error
-        except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as e:
-            msg = f"{os.fspath(path)!r} is not a trajectory file: {e}"
+        except _DAMAGE as e:
+            reason = " ".join(str(e).split()) or type(e).__name__
+            msg = f"{os.fspath(path)!r} is not a trajectory file: {reason}"
             raise TrajectoryError(msg) from e
 
 

@@ -20,11 +20,15 @@ COUNT = (2, 200)
 STEPS = 24
 """Steps of a case whose impacts are over at once."""
 
-MANY = 0.02
+MANY = 0.01
 """Part of the cases that may have more than ten balls."""
 
-MOST_STEPS = 250
+MOST_STEPS = 150
 """Bound of the steps of a case whose pulses last."""
+
+FEW, LEAST_OF_MANY = 10, 0.5
+"""More balls than a few have at least this restitution: nearly plastic impacts of a
+hundred balls take seconds a step, and a sweep of them days."""
 
 LEAST_VISCOUS = 0.05
 """Least restitution of the viscous law."""
@@ -42,18 +46,22 @@ def case_of(seed: int) -> Case:
         joint = str(random.choice(("free", "slides", "rail", "pendulum")))
     dissipation = "viscous" if random.random() < 0.25 else "bistiffness"
     timestep = _logarithmic(random, *TIMESTEP)
+    count = _count(random, layout)
+    restitution = _restitution(random, dissipation)
+    if count > FEW:
+        restitution = max(restitution, LEAST_OF_MANY)
     duration = _logarithmic(random, *DURATION) if random.random() < 0.4 else None
     return Case(
         seed=seed,
         layout=layout,
         joint=joint,
-        count=_count(random, layout),
+        count=count,
         radius=_logarithmic(random, *RADIUS),
         radius_ratio=float(random.choice((1.0, 1.0, random.uniform(1, 4)))),
         density=_logarithmic(random, *DENSITY),
         mass_ratio=1.0 if random.random() < 0.3 else _logarithmic(random, *MASS_RATIO),
         young=_logarithmic(random, *YOUNG),
-        restitution=_restitution(random, dissipation),
+        restitution=restitution,
         dissipation=dissipation,
         duration=duration,
         timestep=timestep,
@@ -76,7 +84,7 @@ def _count(random: np.random.Generator, layout: str) -> int:
     least, most = COUNT
     if layout == "ring":
         least = 3
-    return int(_logarithmic(random, least, most if random.random() < MANY else 10))
+    return int(_logarithmic(random, least, most if random.random() < MANY else FEW))
 
 
 def _restitution(random: np.random.Generator, dissipation: str) -> float:

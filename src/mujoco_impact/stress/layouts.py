@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Callable
 
 import numpy as np
@@ -16,6 +17,10 @@ APPROACH = (0.0, 4.0)
 
 SPREAD = 0.2
 """Speeds of the balls that do not come in, over the speed of the one that does."""
+
+CLEARANCE, ATTEMPTS = 0.01, 1000
+"""Room between balls of a cluster that do not touch, over the smallest radius, and how
+often a place with that room is looked for."""
 
 SMALLEST_INERTIA = 1e-13
 """Masses are raised together until every ball has this inertia [kg m^2]: MuJoCo
@@ -141,7 +146,7 @@ def _cluster(
     position = np.zeros((case.count, 3))
     for i in range(2, case.count):
         partners = position[1:i]
-        while True:
+        for attempt in itertools.count():
             partner = 1 + random.integers(i - 1)
             outwards = random.normal(size=3)
             outwards /= np.linalg.norm(outwards)
@@ -150,7 +155,8 @@ def _cluster(
             )
             clear = np.linalg.norm(partners - place, axis=1) - radius[1:i] - radius[i]
             clear[partner - 1] = np.inf
-            if np.all(clear > 0.01 * case.radius / case.radius_ratio):
+            # where overlaps leave no room beside a ball, it overlaps more than one
+            if attempt == ATTEMPTS or np.all(clear > CLEARANCE * radius.min()):
                 break
         position[i] = place
     direction = random.normal(size=3)

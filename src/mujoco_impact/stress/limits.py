@@ -12,19 +12,25 @@ from collections.abc import Callable
 import numpy as np
 
 from mujoco_impact.stress.evidence import Evidence
-from mujoco_impact.stress.methods import OURS, depth_of
+from mujoco_impact.stress.invariants import energy_growth
+from mujoco_impact.stress.methods import FASTEST, OURS, depth_of
+from mujoco_impact.stress.scene import ARM
 
 DEEP = 0.3
 """Way in a pulse, over the smallest radius, from which balls no longer meet as the law
 sees them: they press into each other, or pass each other, by their own size."""
 
 TURNING = 0.2
-"""Energy that a pulse may add, over that way: the worst of the sweep is 0.15."""
+"""Energy that a pulse may add, in parts of that at the start, over that way."""
 
 SLOW = 1e-4
 """Part of the closing speed that other forces may add while a pulse lasts, or in a
 step."""
 
+
+AMPLIFIED, MOST_ACCELERATION = 100.0, 1e10
+"""Speed of the lightest ball behind heavier ones, over that of the first impact; and
+mjMAXVAL, from which on MuJoCo resets a state [m/s^2, rad/s^2]."""
 
 RATTLING, LIGHT = 0.7, 5.0
 """Restitution below which, and mass ratio above which, a light ball between two heavy
@@ -97,7 +103,10 @@ def _turns(evidence: Evidence) -> bool:
     """Whether pulses turn with balls that slide past each other, and by little."""
     case = evidence.case
     collinear = case.joint in ("rail", "pendulum")
-    return not collinear and outlasts_a_step(evidence)
+    if collinear or not outlasts_a_step(evidence):
+        return False
+    growth = energy_growth(evidence)
+    return growth is None or growth <= TURNING * way_in_pulse(evidence)
 
 
 def _is_pulled(evidence: Evidence) -> bool:
@@ -126,6 +135,25 @@ def _rattles(evidence: Evidence) -> bool:
     )
 
 
+def _spins(evidence: Evidence) -> bool:
+    """Whether a hinge turns by more than the path within a step can follow."""
+    case = evidence.case
+    if case.joint != "pendulum":
+        return False
+    return FASTEST * case.speed * case.timestep > ARM * case.radius
+
+
+def _exceeds_numbers(evidence: Evidence) -> bool:
+    """Whether a blow to a light ball may exceed what MuJoCo takes for a sane state."""
+    case = evidence.case
+    arm = ARM * case.radius if case.joint == "pendulum" else 1.0
+    return AMPLIFIED * case.speed / case.timestep / arm > MOST_ACCELERATION
+
+
+def _is_divided(evidence: Evidence) -> bool:
+    return "two instances" in evidence.case.features
+
+
 _ENERGY = frozenset({"energy growth", "elastic energy"})
 _SYMMETRY = frozenset({"permutation", "mirror"})
 _SHAPE = frozenset({"no passing"})
@@ -147,7 +175,7 @@ LIMITS = (
         "presses deep",
         "balls travel more than 0.3 radii while a pulse lasts: too soft or too fast "
         "for a Hertz contact, or a fixed duration too long",
-        frozenset({"momentum"}) | _ENERGY | _SYMMETRY | _SHAPE,
+        frozenset({"finite", "momentum"}) | _ENERGY | _SYMMETRY | _SHAPE,
         _presses_deep,
     ),
     Limit(
@@ -159,7 +187,8 @@ LIMITS = (
     ),
     Limit(
         "turning pulse",
-        "a pulse longer than a step turns with balls that slide past each other",
+        "a pulse longer than a step turns with balls that slide past each other, and "
+        "adds no more than 0.2 of the way they go in it over a radius",
         _ENERGY,
         _turns,
     ),
@@ -174,8 +203,27 @@ LIMITS = (
         "rattling",
         "a light ball with losses between heavy ones (e < 0.7, masses 1:5 and more) "
         "bounces until all go together, for up to 100 contact times and more",
-        frozenset({"pulse length"}),
+        frozenset({"pulse length"}) | _SYMMETRY,
         _rattles,
+    ),
+    Limit(
+        "spins",
+        "a hinge turns by more than a radian in a step",
+        frozenset({"finite", "pulse length"}) | _ENERGY | _SYMMETRY | _SHAPE,
+        _spins,
+    ),
+    Limit(
+        "too hard a blow",
+        "a blow may exceed 1e10 m/s^2 or rad/s^2, where MuJoCo takes a state for lost",
+        frozenset({"finite"}),
+        _exceeds_numbers,
+    ),
+    Limit(
+        "divided",
+        "balls that meet in one step belong to two instances: what one delivers is a "
+        "steady force to the other",
+        frozenset({"pulse length"}) | _ENERGY | _SYMMETRY | _SHAPE,
+        _is_divided,
     ),
     Limit(
         "out of slots",

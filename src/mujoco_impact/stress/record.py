@@ -26,7 +26,7 @@ class Record:
             is the start, the others follow the steps.
         velocity: Of the centres [m/s], shape (n_samples, n, 3).
         energy: Potential plus kinetic energy as MuJoCo counts them [J], shape
-            (n_samples,); None where the scene does not conserve it.
+            (n_samples,); None where it is not conserved, or kinetic alone.
         quiet: Whether no contact force acts between a sample and its neighbours:
             every pulse is delivered and no contact is MuJoCo's, shape (n_samples,).
         native: Whether MuJoCo's own contacts took part.
@@ -85,7 +85,7 @@ def run_model(
             mujoco.mj_step(model, data)
             qpos[step + 1], qvel[step + 1] = data.qpos, data.qvel
             # a step finds the contacts of the state that it starts from
-            if data.ncon and np.any(data.contact.efc_address >= 0):
+            if data.nefc and np.any(data.contact.efc_address >= 0):
                 busy[step] = busy[step + 1] = native = True
             pulses.poll()
             for impact in pulses.impacts[seen:]:
@@ -99,7 +99,7 @@ def run_model(
         balls=balls,
         position=positions(case, balls, qpos),
         velocity=velocities(case, balls, qpos, qvel),
-        energy=energies(model, qpos, qvel) if case.is_conservative else None,
+        energy=_energies_of(case, model, qpos, qvel),
         quiet=~busy,
         native=native,
         impacts=tuple(pulses.impacts),
@@ -107,6 +107,14 @@ def run_model(
         warnings=tuple(messages),
         bits=bits,
     )
+
+
+def _energies_of(
+    case: Case, model: mujoco.MjModel, qpos: Array, qvel: Array
+) -> Array | None:
+    """Returns the energies of a run; those of free balls are their kinetic ones."""
+    needed = case.is_elastic and case.is_conservative and not case.is_free
+    return energies(model, qpos, qvel) if needed else None
 
 
 def energies(model: mujoco.MjModel, qpos: Array, qvel: Array) -> Array:

@@ -1,0 +1,104 @@
+"""`mujoco-impact stress`: random scenes, one seed, a scene of the user's own."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+import mujoco_impact
+from mujoco_impact.cli import app
+from mujoco_impact.stress import OURS, stress_scene
+from mujoco_impact.stress.long_runs import long_runs
+
+BALLS = """
+<mujoco model="two">
+  <option timestep="0.002" gravity="0 0 0"/>
+  <default><joint type="slide" axis="1 0 0"/><geom size=".01" mass=".1"/></default>
+  <worldbody>
+    <body pos="-.03 0 0"><joint/><geom name="a"/></body>
+    <body><joint/><geom name="b"/></body>
+  </worldbody>
+  <keyframe><key name="shot" qvel="{speed} 0"/></keyframe>
+</mujoco>
+"""
+
+
+def run(*arguments: str):
+    return CliRunner().invoke(app, ["stress", *arguments])
+
+
+def test_random_scenes_are_judged_and_reported(tmp_path):
+    report, numbers = tmp_path / "stress.md", tmp_path / "stress.json"
+    result = run("--cases", "12", "--first", "50", "--out", str(report), "--json",
+                 str(numbers))  # fmt: skip
+    assert result.exit_code == 0, result.output
+    text = report.read_text(encoding="utf-8")
+    for heading in ("The promises", f"{OURS}: 0 violations", "Side by side", "MuJoCo"):
+        assert heading in text
+    assert json.loads(numbers.read_text())["cases"] == 12
+
+
+def test_a_case_is_shown_by_its_seed():
+    result = run("--seed", "51")
+    assert result.exit_code == 0
+    assert "seed 51:" in result.output
+    assert f"{OURS:16} same bits" in result.output
+
+
+def test_a_scene_is_run_in_many_ways(tmp_path):
+    path = tmp_path / "two.xml"
+    path.write_text(BALLS.format(speed=1))
+    result = run(str(path), "--duration", "0.1", "--keyframe", "shot")
+    assert result.exit_code == 0, result.output
+    # what is wrong with a variation is told, what decides is the scene as it is
+    assert "impacts may be missed" in result.output
+    for way in ("as it is", "timestep x 5", "integrator RK4", "restitution 0"):
+        assert way in result.output
+
+
+def test_a_scene_too_fast_for_its_gap_is_reported():
+    """At a thousand times the gap per step an impact may be missed."""
+    findings = stress_scene(
+        BALLS.format(speed=1000), duration=0.05, keyframe="shot", settings={"gap": 2e-3}
+    )
+    assert findings[0].variation == "as it is"
+    assert findings[0].farthest > 500
+    assert "impacts may be missed" in " ".join(findings[0].problems)
+
+
+def test_a_scene_that_has_the_plugin_is_taken_as_it_is():
+    spec = mujoco_impact.attach(BALLS.format(speed=1))
+    findings = stress_scene(spec, duration=0.05, keyframe="shot")
+    assert not any("restitution" in finding.variation for finding in findings)
+    assert all(finding.impacts == 1 for finding in findings[:5])
+    assert all(finding.same_bits for finding in findings)
+
+
+def test_the_command_fails_where_a_scene_does(tmp_path):
+    path = tmp_path / "fast.xml"
+    path.write_text(BALLS.format(speed=1000))
+    result = run(str(path), "--duration", "0.01", "--keyframe", "shot", "--set",
+                 "restitution=1")  # fmt: skip
+    assert result.exit_code == 1
+    assert "impacts may be missed" in result.output
+
+
+@pytest.fixture(scope="module")
+def short_runs():
+    return {(one.run, one.method): one for one in long_runs(hour=20, swing=60, rest=20)}
+
+
+def test_the_elastic_cradle_keeps_its_energy(short_runs):
+    ours = short_runs["elastic", OURS]
+    assert ours.finite
+    # the half step of Euler makes energies vary by h a / u, about 1e-2, both ways
+    assert abs(ours.energy - 1).max() < 0.02
+    assert ours.order == 0
+
+
+def test_the_dissipative_cradle_comes_to_rest_and_stays(short_runs):
+    ours = short_runs["dissipative", OURS]
+    assert ours.finite
+    assert ours.energy[-1] < 1e-3
+    assert ours.speed < 1e-2
+    assert ours.order == 0
