@@ -2,6 +2,7 @@
 
 #include "engine/commit.h"
 
+#include "engine/deliver.h"
 #include "engine/gather.h"
 #include "engine/motion.h"
 #include "engine/runge_kutta.h"
@@ -18,7 +19,7 @@ namespace {
 void CorrectForEuler(const mjModel* m, mjData* d, State& state) {
   Scratch scratch(d);
   mjtNum* shift = scratch.Take<mjtNum>(m->nv);
-  mj_solveM(m, d, shift, state.held_force(), 1);
+  SolveInertia(m, d, shift, state.held_force());
   // Δq for lag 0 = Δq for lag a − a h ΔV
   const mjtNum h = m->opt.timestep;
   mju_addToScl(state.correction(), shift, -ImpulseLag(m) * h * h, m->nv);
@@ -45,6 +46,8 @@ void CommitStep(const mjModel* m, mjData* d, int instance) {
   if (header.pending != 0) {
     if (half_step_missing) CorrectForEuler(m, d, state);
     mj_integratePos(m, d->qpos, state.correction(), 1);
+    Scratch scratch(d);
+    WakeStruck(m, d, state.held_force(), scratch);
     CommitPulses(m, state, instance);
     header.pending = 0;
   }

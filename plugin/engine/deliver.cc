@@ -59,7 +59,7 @@ void AddDetour(const mjModel* m, mjData* d, const Delivery& delivery, mjtNum* fo
     detour[i] = weights.impulse * delivery.impulse[i] + weights.moment * delivery.moment[i] +
                 weights.second * delivery.second[i];
   }
-  mj_solveM(m, d, displacement, detour, 1);
+  SolveInertia(m, d, displacement, detour);
   mju_scl(displacement, displacement, 1 / m->opt.timestep, m->nv);
   AddWeightGradient(m, d, displacement, force);
 }
@@ -127,6 +127,17 @@ void DeliverActive(const mjModel* m, const mjData* d, State& state, Delivery& de
   }
 }
 
+void WakeStruck(const mjModel* m, mjData* d, const mjtNum* force, Scratch& scratch) {
+  mjtNum* kick = scratch.Take<mjtNum>(m->nv);
+  for (int tree = 0; tree < m->ntree; ++tree) {
+    const int begin = m->tree_dofadr[tree], dofs = m->tree_dofnum[tree];
+    if (!IsAsleep(d, tree) || mju_isZero(force + begin, dofs)) continue;
+    mju_scl(kick, force + begin, m->opt.timestep, dofs);
+    SolveTreeInertia(m, d, tree, kick);
+    mju_addTo(d->qvel + begin, kick, dofs);
+  }
+}
+
 void Apply(const mjModel* m, mjData* d, State& state, const Delivery& delivery, Scratch& scratch) {
   const mjtNum h = m->opt.timestep;
   mjtNum* correction = state.correction();
@@ -135,7 +146,13 @@ void Apply(const mjModel* m, mjData* d, State& state, const Delivery& delivery, 
   // Δq = M⁻¹ (a h ΔP − M₁)
   const mjtNum a = ImpulseLag(m);
   for (int i = 0; i < m->nv; ++i) moment[i] = a * h * delivery.impulse[i] - delivery.moment[i];
-  mj_solveM(m, d, correction, moment, 1);
+  SolveInertia(m, d, correction, moment);
+  for (int tree = 0; tree < m->ntree; ++tree) {
+    if (!IsAsleep(d, tree)) continue;
+    const int begin = m->tree_dofadr[tree], dofs = m->tree_dofnum[tree];
+    mju_addScl(correction + begin, moment + begin, delivery.impulse + begin, (1 - a) * h, dofs);
+    SolveTreeInertia(m, d, tree, correction + begin);
+  }
   const bool damped = ImplicitDamping(m);
   for (int i = 0; i < m->nv; ++i) {
     force[i] = delivery.impulse[i] / h;

@@ -65,6 +65,10 @@ mjtNum ActiveEnd(const State& state);
 void DeliverActive(const mjModel* m, const mjData* d, State& state, Delivery& delivery,
                    Scratch& scratch);
 
+// What sleeps feels no force: when the step is committed, an impulse sets its velocity, which wakes
+// it, and Δq = M⁻¹ Jᵀ (h ΔP − M₁) is all of its way. `force` is what Apply left in the state.
+void WakeStruck(const mjModel* m, mjData* d, const mjtNum* force, Scratch& scratch);
+
 // Puts the sums into qfrc_passive and leaves the position correction pending in the state.
 void Apply(const mjModel* m, mjData* d, State& state, const Delivery& delivery, Scratch& scratch);
 

@@ -25,7 +25,8 @@ double ImpulseLag(const mjModel* m) { return m->opt.integrator == mjINT_RK4 ? 0.
 Motion PredictMotion(const mjModel* m, mjData* d, Scratch& scratch) {
   const int nv = m->nv;
   Motion motion{scratch.Take<mjtNum>(nv), scratch.Take<mjtNum>(nv), scratch.Take<mjtNum>(nv)};
-  mjtNum* force = scratch.Take<mjtNum>(nv);
+  // zeros: MuJoCo leaves out what sleeps
+  mjtNum* force = scratch.Zeros(nv);
   mj_rne(m, d, 0, force);
   mju_sub(force, d->qfrc_passive, force, nv);
   AddAppliedForces(m, d, force);
@@ -34,18 +35,23 @@ Motion PredictMotion(const mjModel* m, mjData* d, Scratch& scratch) {
     mj_fwdActuation(m, d);
     mju_addTo(force, d->qfrc_actuator, nv);
   }
-  mj_solveM(m, d, motion.acceleration, force, 1);
+  SolveInertia(m, d, motion.acceleration, force);
   const mjtNum lead = m->opt.integrator == mjINT_RK4 ? 0 : 0.5 * m->opt.timestep;
   mju_addScl(motion.velocity, d->qvel, motion.acceleration, lead, nv);
   mju_zero(force, nv);
   AddWeightGradient(m, d, motion.velocity, force);
-  mj_solveM(m, d, motion.jerk, force, 1);
+  SolveInertia(m, d, motion.jerk, force);
   return motion;
 }
 
 void VelocityOnPath(const mjModel* m, const Motion& motion, mjtNum tau, mjtNum* velocity) {
   mju_addScl(velocity, motion.velocity, motion.acceleration, tau, m->nv);
   mju_addToScl(velocity, motion.jerk, 0.5 * tau * tau, m->nv);
+}
+
+void SolveInertia(const mjModel* m, mjData* d, mjtNum* x, const mjtNum* y) {
+  mju_zero(x, m->nv);
+  mj_solveM(m, d, x, y, 1);
 }
 
 void SolveTreeInertia(const mjModel* m, const mjData* d, int tree, mjtNum* x) {

@@ -34,6 +34,13 @@ Motion PredictMotion(const mjModel* m, mjData* d, Scratch& scratch);
 // V + a τ + b τ²/2
 void VelocityOnPath(const mjModel* m, const Motion& motion, mjtNum tau, mjtNum* velocity);
 
+// x = M⁻¹ y (nv each, not the same array), zero for trees that sleep: MuJoCo leaves those as they
+// are.
+void SolveInertia(const mjModel* m, mjData* d, mjtNum* x, const mjtNum* y);
+
+// Whether MuJoCo has put the tree to sleep: no force moves it in this step.
+inline bool IsAsleep(const mjData* d, int tree) { return d->tree_asleep[tree] >= 0; }
+
 // x ← M⁻¹ x for the degrees of freedom of one kinematic tree; x is the tree's segment.
 void SolveTreeInertia(const mjModel* m, const mjData* d, int tree, mjtNum* x);
 

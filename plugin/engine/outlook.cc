@@ -10,10 +10,10 @@ Outlook LookAhead(const mjModel* m, mjData* d, const Delivery& delivery, bool pu
   if (!pulses) return outlook;
   outlook.bend = scratch.Take<mjtNum>(m->nv);
   outlook.arrears = scratch.Take<mjtNum>(m->nv);
-  mj_solveM(m, d, outlook.bend, delivery.impulse, 1);
+  SolveInertia(m, d, outlook.bend, delivery.impulse);
   mju_scl(outlook.bend, outlook.bend, 1 / m->opt.timestep, m->nv);
   mju_addTo(outlook.motion.acceleration, outlook.bend, m->nv);
-  mj_solveM(m, d, outlook.arrears, delivery.remaining, 1);
+  SolveInertia(m, d, outlook.arrears, delivery.remaining);
   return outlook;
 }
 
@@ -50,20 +50,20 @@ Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery) {
   const auto gradient = [&](const mjtNum* kick, mjtNum* result) {
     mju_zero(work_, nv);
     AddWeightGradient(m_, d_, kick, work_);
-    mj_solveM(m_, d_, result, work_, 1);
+    SolveInertia(m_, d_, result, work_);
   };
   mjtNum *v = moved_.velocity, *a = moved_.acceleration, *b = moved_.jerk;
-  mj_solveM(m_, d_, kick_, delivery.impulse, 1);
+  SolveInertia(m_, d_, kick_, delivery.impulse);
   gradient(kick_, b);
   mju_scl(work_, delivery.impulse, t, nv);
   mju_subFrom(work_, delivery.moment, nv);
-  mj_solveM(m_, d_, displacement_, work_, 1);
+  SolveInertia(m_, d_, displacement_, work_);
   gradient(displacement_, a);
   for (int i = 0; i < nv; ++i) {
     work_[i] =
         0.5 * t * t * delivery.impulse[i] - t * delivery.moment[i] + 0.5 * delivery.second[i];
   }
-  mj_solveM(m_, d_, v, work_, 1);
+  SolveInertia(m_, d_, v, work_);
   gradient(v, v);
   for (int i = 0; i < nv; ++i) {
     const mjtNum V = motion_.velocity[i], A = motion_.acceleration[i], B = motion_.jerk[i];
