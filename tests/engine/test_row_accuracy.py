@@ -35,10 +35,10 @@ def references():
     }
 
 
-def errors(name, integrator, truth, **options) -> dict[str, float]:
+def errors(name, integrator, truth, release=30.0, **options) -> dict[str, float]:
     """RMS over balls and time, velocities in m/s; those of the first impact over v0."""
     pattern, released = ROWS[name]
-    xml = cradle_models.row(pattern, released=released, length=LENGTH)
+    xml = cradle_models.row(pattern, released=released, length=LENGTH, release=release)
     spec = mujoco_impact.attach(with_integrator(xml, integrator, TIMESTEP), **options)
     motion = mujoco_impact.run(spec, duration=DURATION, keyframe="release")
     samples = (motion.time, motion.qpos, motion.qvel)
@@ -140,6 +140,24 @@ def test_energy_stays_over_twenty_seconds():
     assert len(motion.impacts) > 100
     # the sampled states may lie within a contact only for a few steps
     assert abs(np.median(energy[-100:]) / energy[0] - 1) < 2e-5
+
+
+@pytest.mark.parametrize("release", [10.0, 60.0])
+@pytest.mark.parametrize("name", ROWS)
+def test_other_releases_are_as_accurate_with_the_same_settings(name, release):
+    pattern, released = ROWS[name]
+    truth = reference.pendulum_row(
+        cradle_models.balls(pattern),
+        release=release,
+        released=released,
+        length=LENGTH,
+        duration=DURATION,
+    )
+    found = errors(name, "Euler", truth, release=release)
+    # twice what 30 degrees is allowed: 1e-5, 1e-4 rad, 1e-4
+    assert found["first impact"] < 2e-5
+    assert found["angle"] < 2e-4
+    assert found["energy"] < 2e-4
 
 
 def test_tolerance_sets_how_well_an_impact_is_integrated():
