@@ -9,8 +9,6 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-bool IsSphere(const mjModel* m, int geom) { return m->geom_type[geom] == mjGEOM_SPHERE; }
-
 // Distance of the two points, along the normal unless both are centres of spheres.
 mjtNum Separation(const ContactAnchor& anchor, const Vector3& first, const Vector3& second) {
   const Vector3 between = second - first;
@@ -64,10 +62,8 @@ mjtNum ContactPath::Gap(mjtNum tau) const {
 
 Vector3 ContactPath::Normal(mjtNum tau) const {
   if (!anchor_.spheres()) return anchor_.normal;
-  const Vector3 distance = Distance(tau);
-  const mjtNum length = Norm(distance);
   // concentric spheres have no line of centres
-  return length < mjMINVAL ? anchor_.normal : 1 / length * distance;
+  return UnitOr(Distance(tau), anchor_.normal);
 }
 
 Vector3 ContactPath::Distance(mjtNum tau) const { return SideAt(1, tau) - SideAt(0, tau); }

@@ -12,21 +12,16 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-int BodyOf(const mjModel* m, const Pulse& pulse, int side) {
-  return m->geom_bodyid[static_cast<int>(pulse.geom[side])];
-}
+int GeomOf(const Pulse& pulse, int side) { return static_cast<int>(pulse.geom[side]); }
 
-bool IsSphere(const mjModel* m, const Pulse& pulse, int side) {
-  return m->geom_type[static_cast<int>(pulse.geom[side])] == mjGEOM_SPHERE;
+int BodyOf(const mjModel* m, const Pulse& pulse, int side) {
+  return m->geom_bodyid[GeomOf(pulse, side)];
 }
 
 // Adds the friction of the pulse, which acts where the surfaces touch.
 void AddTangent(const mjModel* m, const mjData* d, const Pulse& pulse, const Vector3& normal,
                 int side, BodyPoint point, mjtNum* segment) {
-  if (IsSphere(m, pulse, side)) {
-    const mjtNum radius = m->geom_size[3 * static_cast<int>(pulse.geom[side])];
-    point.position += (side == 0 ? radius : -radius) * normal;
-  }
+  point.position = SurfacePoint(m, GeomOf(pulse, side), side, point.position, normal);
   AddRow(m, d, point, Load(pulse.tangent), side == 0 ? -1 : 1, segment);
 }
 
@@ -92,11 +87,10 @@ Vector3 PulsePoint(const mjModel* m, const mjData* d, const Pulse& pulse, int si
 
 Vector3 PulseNormal(const mjModel* m, const mjData* d, const Pulse& pulse) {
   const Vector3 at_onset = Load(pulse.normal);
-  if (!IsSphere(m, pulse, 0) || !IsSphere(m, pulse, 1)) return at_onset;
-  const Vector3 distance = Load(d->geom_xpos + 3 * static_cast<int>(pulse.geom[1])) -
-                           Load(d->geom_xpos + 3 * static_cast<int>(pulse.geom[0]));
-  const mjtNum length = Norm(distance);
-  return length < mjMINVAL ? at_onset : 1 / length * distance;
+  if (!IsSphere(m, GeomOf(pulse, 0)) || !IsSphere(m, GeomOf(pulse, 1))) return at_onset;
+  const Vector3 distance =
+      Load(d->geom_xpos + 3 * GeomOf(pulse, 1)) - Load(d->geom_xpos + 3 * GeomOf(pulse, 0));
+  return UnitOr(distance, at_onset);
 }
 
 mjtNum ActiveEnd(const State& state) {

@@ -28,15 +28,6 @@ SlipRow MakeSlipRow(const mjModel* m, const ContactRow& row, Scratch& scratch) {
   return slip;
 }
 
-// Where the surface of a side is touched.
-Vector3 SurfaceAt(const mjModel* m, const ContactRow& row, int side, mjtNum tau) {
-  const int geom = row.contact->geom[side];
-  const Vector3 point = row.path.SideAt(side, tau);
-  if (m->geom_type[geom] != mjGEOM_SPHERE) return point;
-  const mjtNum radius = m->geom_size[3 * geom];
-  return point + (side == 0 ? radius : -radius) * row.normal;
-}
-
 // slip = dᵀ(J₂ − J₁) at the surfaces
 void FillSlipRow(const mjModel* m, const mjData* d, const ContactRow& row, const Motion& motion,
                  mjtNum tau, const Vector3& direction, SlipRow& slip) {
@@ -47,19 +38,11 @@ void FillSlipRow(const mjModel* m, const mjData* d, const ContactRow& row, const
   const bool merged = trees.tree[0] == trees.tree[1];
   for (int i = 0; i < 2; ++i) {
     if (trees.tree[i] < 0) continue;
-    AddRowAt(m, d, row.path.side(i), motion, tau, SurfaceAt(m, row, i, tau), direction,
-             i == 0 ? -1 : 1, slip.segment[merged ? 0 : i].jacobian);
+    const Vector3 surface =
+        SurfacePoint(m, row.contact->geom[i], i, row.path.SideAt(i, tau), row.normal);
+    AddRowAt(m, d, row.path.side(i), motion, tau, surface, direction, i == 0 ? -1 : 1,
+             slip.segment[merged ? 0 : i].jacobian);
   }
-}
-
-mjtNum Times(const mjModel* m, const SlipRow& slip, const mjtNum* x) {
-  mjtNum sum = 0;
-  for (const RowSegment& segment : slip.segment) {
-    if (segment.tree < 0) continue;
-    sum +=
-        mju_dot(segment.jacobian, x + m->tree_dofadr[segment.tree], m->tree_dofnum[segment.tree]);
-  }
-  return sum;
 }
 
 // The velocity with which side 0 slides over side 1 at τ.
@@ -72,7 +55,7 @@ Vector3 SlipVelocity(const mjModel* m, const mjData* d, const ContactRow& row, c
   Vector3 result{};
   for (const Vector3& axis : {first, Cross(n, first)}) {
     FillSlipRow(m, d, row, motion, tau, axis, slip);
-    result += -Times(m, slip, velocity) * axis;
+    result += -SegmentsTimes(m, slip.segment, velocity) * axis;
   }
   return result;
 }
@@ -103,11 +86,7 @@ Vector3 SlipOf(const mjModel* m, const mjData* d, const Config& config, const Is
   if (friction <= 0) return {};
   const Vector3 tangent = friction / (impulse * speed) * u;
   FillSlipRow(m, d, row, motion, tau, tangent, slip);
-  for (const RowSegment& segment : slip.segment) {
-    if (segment.tree < 0) continue;
-    mju_copy(segment.inverse_inertia, segment.jacobian, m->tree_dofnum[segment.tree]);
-    SolveTreeInertia(m, d, segment.tree, segment.inverse_inertia);
-  }
+  SolveSegments(m, d, slip.segment);
   return tangent;
 }
 

@@ -32,11 +32,7 @@ void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau
     AddRowAt(m, d, row.path.side(i), motion, tau, row.path.SideAt(i, tau), row.normal,
              i == 0 ? -1 : 1, segment.jacobian);
   }
-  for (const RowSegment& segment : row.segment) {
-    if (segment.tree < 0) continue;
-    mju_copy(segment.inverse_inertia, segment.jacobian, m->tree_dofnum[segment.tree]);
-    SolveTreeInertia(m, d, segment.tree, segment.inverse_inertia);
-  }
+  SolveSegments(m, d, row.segment);
 }
 
 // J_k M⁻¹ J_lᵀ
@@ -153,14 +149,26 @@ IslandSystem BuildIsland(const mjModel* m, const mjData* d, Gathered& contacts, 
   return system;
 }
 
-mjtNum RowTimes(const mjModel* m, const ContactRow& row, const mjtNum* x) {
+mjtNum SegmentsTimes(const mjModel* m, const RowSegment segment[2], const mjtNum* x) {
   mjtNum sum = 0;
-  for (const RowSegment& segment : row.segment) {
-    if (segment.tree < 0) continue;
-    sum +=
-        mju_dot(segment.jacobian, x + m->tree_dofadr[segment.tree], m->tree_dofnum[segment.tree]);
+  for (int i = 0; i < 2; ++i) {
+    const auto& [tree, jacobian, inverse_inertia] = segment[i];
+    if (tree >= 0) sum += mju_dot(jacobian, x + m->tree_dofadr[tree], m->tree_dofnum[tree]);
   }
   return sum;
+}
+
+void SolveSegments(const mjModel* m, const mjData* d, const RowSegment segment[2]) {
+  for (int i = 0; i < 2; ++i) {
+    const auto& [tree, jacobian, inverse_inertia] = segment[i];
+    if (tree < 0) continue;
+    mju_copy(inverse_inertia, jacobian, m->tree_dofnum[tree]);
+    SolveTreeInertia(m, d, tree, inverse_inertia);
+  }
+}
+
+mjtNum RowTimes(const mjModel* m, const ContactRow& row, const mjtNum* x) {
+  return SegmentsTimes(m, row.segment, x);
 }
 
 void AddRowTransposed(const mjModel* m, const ContactRow& row, mjtNum s, mjtNum* x) {

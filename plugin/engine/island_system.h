@@ -47,6 +47,12 @@ size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts, 
 IslandSystem BuildIsland(const mjModel* m, const mjData* d, Gathered& contacts, const int* position,
                          int count, const Motion& motion, mjtNum tau, Scratch& scratch);
 
+// J x of two segments for a vector of all degrees of freedom.
+mjtNum SegmentsTimes(const mjModel* m, const RowSegment segment[2], const mjtNum* x);
+
+// Fills in M⁻¹ Jᵀ of two segments.
+void SolveSegments(const mjModel* m, const mjData* d, const RowSegment segment[2]);
+
 // J_k x for a vector of all degrees of freedom.
 mjtNum RowTimes(const mjModel* m, const ContactRow& row, const mjtNum* x);
 

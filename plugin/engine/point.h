@@ -19,6 +19,17 @@ struct BodyPoint {
   Vector3 position;  // [m]
 };
 
+inline bool IsSphere(const mjModel* m, int geom) { return m->geom_type[geom] == mjGEOM_SPHERE; }
+
+// Where the surface of the geom on a side is touched, from the point that stands for that side: the
+// centre of a sphere, the contact point of any other shape. The normal points from side 0 to 1.
+inline Vector3 SurfacePoint(const mjModel* m, int geom, int side, const Vector3& point,
+                            const Vector3& normal) {
+  if (!IsSphere(m, geom)) return point;
+  const mjtNum radius = m->geom_size[3 * geom];
+  return point + (side == 0 ? radius : -radius) * normal;
+}
+
 // Last degree of freedom that moves the body, −1 for a static one.
 int LastDof(const mjModel* m, int body);
 

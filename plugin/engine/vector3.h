@@ -42,6 +42,12 @@ inline Vector3 Cross(const Vector3& a, const Vector3& b) {
 
 inline mjtNum Norm(const Vector3& a) { return std::sqrt(Dot(a, a)); }
 
+// a / |a|, or `otherwise` for a vector without a direction.
+inline Vector3 UnitOr(const Vector3& a, const Vector3& otherwise) {
+  const mjtNum length = Norm(a);
+  return length < mjMINVAL ? otherwise : 1 / length * a;
+}
+
 // R v and Rᵀ v of a rotation matrix in rows.
 inline Vector3 Rotate(const mjtNum* R, const Vector3& v) {
   return {Dot(Load(R), v), Dot(Load(R + 3), v), Dot(Load(R + 6), v)};
