@@ -4,39 +4,14 @@
 
 #include <algorithm>
 
+#include "engine/line_of_action.h"
 #include "engine/motion.h"
-#include "engine/point.h"
+#include "engine/settled_energy.h"
 #include "law/waveform.h"
 
 namespace mujoco_impact::engine {
 
 namespace {
-
-int GeomOf(const Pulse& pulse, int side) { return static_cast<int>(pulse.geom[side]); }
-
-int BodyOf(const mjModel* m, const Pulse& pulse, int side) {
-  return m->geom_bodyid[GeomOf(pulse, side)];
-}
-
-// Adds the friction of the pulse, which acts where the surfaces touch.
-void AddTangent(const mjModel* m, const mjData* d, const Pulse& pulse, const Vector3& normal,
-                int side, BodyPoint point, mjtNum* segment) {
-  point.position = SurfacePoint(m, GeomOf(pulse, side), side, point.position, normal);
-  AddRow(m, d, point, Load(pulse.tangent), side == 0 ? -1 : 1, segment);
-}
-
-// Σ Jᵀ of a pulse whose normal impulse is 1, over all degrees of freedom.
-void AddPulseRow(const mjModel* m, const mjData* d, const Pulse& pulse, mjtNum* row) {
-  const Vector3 normal = PulseNormal(m, d, pulse);
-  for (int side = 0; side < 2; ++side) {
-    const BodyPoint point{BodyOf(m, pulse, side), PulsePoint(m, d, pulse, side)};
-    const int last = LastDof(m, point.body);
-    if (last < 0) continue;
-    mjtNum* segment = row + m->tree_dofadr[m->dof_treeid[last]];
-    AddRow(m, d, point, normal, side == 0 ? -1 : 1, segment);
-    if (pulse.slides()) AddTangent(m, d, pulse, normal, side, point, segment);
-  }
-}
 
 // Whether the integrator divides by M + h B, B the joint damping, instead of M.
 bool ImplicitDamping(const mjModel* m) {
@@ -72,25 +47,13 @@ Share ShareOfStep(const Pulse& pulse, mjtNum clock, mjtNum h) {
   const mjtNum next = law::WaveformCumulative(end, E);
   // the part of a new pulse that lies before this step comes now, with its own time
   const mjtNum from = pulse.delivered == 0 ? 0 : begin;
+  const mjtNum P = pulse.scale_next * pulse.impulse;
   Share share;
   share.delivered_next = next;
-  share.impulse = pulse.impulse * (next - pulse.delivered);
-  share.moment = pulse.impulse * W * (law::WaveformMoment(end, E) - law::WaveformMoment(from, E)) +
+  share.impulse = P * (next - pulse.delivered);
+  share.moment = P * W * (law::WaveformMoment(end, E) - law::WaveformMoment(from, E)) +
                  (pulse.onset - clock) * share.impulse;
   return share;
-}
-
-Vector3 PulsePoint(const mjModel* m, const mjData* d, const Pulse& pulse, int side) {
-  const int body = BodyOf(m, pulse, side);
-  return Load(d->xpos + 3 * body) + Rotate(d->xmat + 9 * body, Load(pulse.point[side]));
-}
-
-Vector3 PulseNormal(const mjModel* m, const mjData* d, const Pulse& pulse) {
-  const Vector3 at_onset = Load(pulse.normal);
-  if (!IsSphere(m, GeomOf(pulse, 0)) || !IsSphere(m, GeomOf(pulse, 1))) return at_onset;
-  const Vector3 distance =
-      Load(d->geom_xpos + 3 * GeomOf(pulse, 1)) - Load(d->geom_xpos + 3 * GeomOf(pulse, 0));
-  return UnitOr(distance, at_onset);
 }
 
 mjtNum ActiveEnd(const State& state) {
@@ -98,26 +61,28 @@ mjtNum ActiveEnd(const State& state) {
   if (state.header().active == 0) return end;
   for (int i = 0; i < state.slots(); ++i) {
     const Pulse& pulse = state.pulse(i);
-    if (pulse.serial <= 0 || pulse.delivered >= 1) continue;
+    if (!pulse.under_way()) continue;
     end = std::max(end, pulse.onset + pulse.duration - state.header().clock);
   }
   return end;
 }
 
-void DeliverActive(const mjModel* m, const mjData* d, State& state, Delivery& delivery,
+void DeliverActive(const mjModel* m, mjData* d, State& state, Delivery& delivery,
                    Scratch& scratch) {
+  FollowLines(m, d, state, scratch);
   mjtNum* row = scratch.Take<mjtNum>(m->nv);
   for (int i = 0; i < state.slots(); ++i) {
     Pulse& pulse = state.pulse(i);
-    if (pulse.serial <= 0 || pulse.delivered >= 1) continue;
+    if (!pulse.under_way()) continue;
     const Share share = ShareOfStep(pulse, state.header().clock, m->opt.timestep);
     pulse.delivered_next = share.delivered_next;
     mju_zero(row, m->nv);
-    AddPulseRow(m, d, pulse, row);
+    AddPulseRow(m, d, pulse, pulse.line_next, 1, row);
     mju_addToScl(delivery.impulse, row, share.impulse, m->nv);
     mju_addToScl(delivery.moment, row, share.moment, m->nv);
     mju_addToScl(delivery.second, row, SecondMoment(share), m->nv);
-    mju_addToScl(delivery.remaining, row, pulse.impulse * (1 - pulse.delivered), m->nv);
+    mju_addToScl(delivery.remaining, row, pulse.scale_next * pulse.impulse * (1 - pulse.delivered),
+                 m->nv);
   }
 }
 

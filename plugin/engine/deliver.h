@@ -18,7 +18,6 @@
 
 #include "engine/scratch.h"
 #include "engine/state.h"
-#include "engine/vector3.h"
 #include "engine/weight_gradient.h"
 
 namespace mujoco_impact::engine {
@@ -47,22 +46,11 @@ inline mjtNum SecondMoment(const Share& share) {
   return share.impulse > 0 ? share.moment * share.moment / share.impulse : 0;
 }
 
-// World position of the pulse's point on its body `side`.
-Vector3 PulsePoint(const mjModel* m, const mjData* d, const Pulse& pulse, int side);
-
-// Direction of the pulse now: the line of centres of two spheres, otherwise as it was at onset.
-Vector3 PulseNormal(const mjModel* m, const mjData* d, const Pulse& pulse);
-
-// Force of the pulse on its second body, over its normal force.
-inline Vector3 PulseForce(const mjModel* m, const mjData* d, const Pulse& pulse) {
-  return PulseNormal(m, d, pulse) + Load(pulse.tangent);
-}
-
 // When the last of the pulses under way ends, from the start of the step; 0 if there are none [s].
 mjtNum ActiveEnd(const State& state);
 
 // Adds the pulses under way and notes what they will have delivered.
-void DeliverActive(const mjModel* m, const mjData* d, State& state, Delivery& delivery,
+void DeliverActive(const mjModel* m, mjData* d, State& state, Delivery& delivery,
                    Scratch& scratch);
 
 // What sleeps feels no force: when the step is committed, an impulse sets its velocity, which wakes

@@ -255,7 +255,7 @@ void Resolver::AnchorAll() {
 void Resolver::MarkPulses(mjtNum end) {
   for (int i = 0; i < state_.slots(); ++i) {
     const Pulse& pulse = state_.pulse(i);
-    if (pulse.serial <= 0 || pulse.delivered >= 1) continue;
+    if (!pulse.under_way()) continue;
     for (const double geom : pulse.geom) {
       const int tree = m_->body_treeid[m_->geom_bodyid[static_cast<int>(geom)]];
       if (tree >= 0) busy_[tree] = end;

@@ -4,30 +4,11 @@
 
 #include <algorithm>
 
+#include "engine/tree_sets.h"
+
 namespace mujoco_impact::engine {
 
 namespace {
-
-// Disjoint sets of trees with path halving.
-class TreeSets {
- public:
-  TreeSets(int ntree, Scratch& scratch) : parent_(scratch.Take<int>(ntree)) {
-    for (int i = 0; i < ntree; ++i) parent_[i] = i;
-  }
-
-  int Root(int tree) {
-    while (parent_[tree] != tree) {
-      parent_[tree] = parent_[parent_[tree]];
-      tree = parent_[tree];
-    }
-    return tree;
-  }
-
-  void Join(int a, int b) { parent_[Root(a)] = Root(b); }
-
- private:
-  int* parent_;
-};
 
 int MovingTree(const ContactTrees& trees) {
   return trees.tree[0] >= 0 ? trees.tree[0] : trees.tree[1];

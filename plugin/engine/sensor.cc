@@ -2,7 +2,7 @@
 
 #include "engine/sensor.h"
 
-#include "engine/deliver.h"
+#include "engine/line_of_action.h"
 #include "engine/ownership.h"
 #include "engine/state.h"
 #include "law/waveform.h"
@@ -20,11 +20,10 @@ void WriteRecord(const GeomRecord& record, mjtNum* output) {
 }
 
 // Adds a pulse that acts in this step; one that begins in it is not in the records yet.
-void AddPulse(const mjModel* m, const mjData* d, const Ownership& ownership, const Pulse& pulse,
-              mjtNum* output) {
-  const Vector3 direction = PulseForce(m, d, pulse);
+void AddPulse(const mjModel* m, const Ownership& ownership, const Pulse& pulse, mjtNum* output) {
+  const Vector3 direction = PulseDirection(pulse);
   const mjtNum part = pulse.delivered_next - pulse.delivered;
-  const mjtNum force = part * pulse.impulse / m->opt.timestep;
+  const mjtNum force = part * pulse.scale_next * pulse.impulse / m->opt.timestep;
   for (int side = 0; side < 2; ++side) {
     const int index = ownership.Index(static_cast<int>(pulse.geom[side]));
     if (index < 0) continue;
@@ -38,7 +37,7 @@ void AddPulse(const mjModel* m, const mjData* d, const Ownership& ownership, con
   }
 }
 
-void WriteOutput(const mjModel* m, const mjData* d, int instance, bool impacts, State& state,
+void WriteOutput(const mjModel* m, int instance, bool impacts, State& state,
                  mjtNum* output) {
   for (int i = 0; i < state.capacity(); ++i) {
     WriteRecord(state.record(i), output + kNumbersPerGeom * i);
@@ -47,7 +46,7 @@ void WriteOutput(const mjModel* m, const mjData* d, int instance, bool impacts, 
   const Ownership ownership(m, instance);
   for (int i = 0; i < state.slots(); ++i) {
     const Pulse& pulse = state.pulse(i);
-    if (pulse.delivered_next > pulse.delivered) AddPulse(m, d, ownership, pulse, output);
+    if (pulse.delivered_next > pulse.delivered) AddPulse(m, ownership, pulse, output);
   }
 }
 
@@ -58,7 +57,7 @@ void ComputeSensors(const mjModel* m, mjData* d, int instance, bool impacts) {
   State state(m, d, instance);
   for (int i = 0; i < m->nsensor; ++i) {
     if (m->sensor_type[i] != mjSENS_PLUGIN || m->sensor_plugin[i] != instance) continue;
-    WriteOutput(m, d, instance, impacts, state, d->sensordata + m->sensor_adr[i]);
+    WriteOutput(m, instance, impacts, state, d->sensordata + m->sensor_adr[i]);
   }
 }
 

@@ -36,6 +36,8 @@ void DiscardPending(State& state) {
   for (int i = 0; i < state.slots(); ++i) {
     Pulse& pulse = state.pulse(i);
     pulse.delivered_next = pulse.delivered;
+    pulse.scale_next = pulse.scale;
+    pulse.line_next = pulse.line;
     if (pulse.serial < 0) pulse = Pulse{};
   }
 }
@@ -48,14 +50,18 @@ Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, co
   pulse.alpha = impact.alpha;
   pulse.duration = impact.duration;
   pulse.restitution = config.waveform_restitution;
-  Store(row.normal, pulse.normal);
+  pulse.scale = 1;
+  Store(row.normal, pulse.line.normal);
   Store(impact.tangent, pulse.tangent);
   for (int side = 0; side < 2; ++side) {
     const BodyPoint& point = row.path.side(side);
     const Vector3 offset = point.position - Load(d->xpos + 3 * point.body);
     Store(RotateBack(d->xmat + 9 * point.body, offset), pulse.point[side]);
+    Store(offset, pulse.line.arm[side]);
     pulse.geom[side] = row.contact->geom[side];
   }
+  pulse.scale_next = pulse.scale;
+  pulse.line_next = pulse.line;
   return pulse;
 }
 
@@ -89,7 +95,9 @@ void CommitPulses(const mjModel* m, State& state, int instance) {
       RecordImpact(ownership, pulse, state);
     }
     pulse.delivered = pulse.delivered_next;
-    if (pulse.serial > 0 && pulse.delivered < 1) header.active += 1;
+    pulse.scale = pulse.scale_next;
+    pulse.line = pulse.line_next;
+    if (pulse.under_way()) header.active += 1;
   }
   header.count += header.pending_pulses;
   header.pending_pulses = 0;

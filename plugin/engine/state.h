@@ -19,6 +19,13 @@ namespace mujoco_impact::engine {
 
 static_assert(sizeof(mjtNum) == sizeof(double), "mujoco_impact needs a MuJoCo of double precision");
 
+// The line along which a pulse acts: where, from the origins of its two bodies, and the direction of
+// the force on the second. World frame.
+struct LineOfAction {
+  double normal[3];
+  double arm[2][3];  // [m]
+};
+
 // A pulse under way or, once delivered, the record of it until its slot is needed again.
 struct Pulse {
   double serial;          // order of the pulse, from 1; 0: never used; negative: pending
@@ -30,10 +37,14 @@ struct Pulse {
   double restitution;     // E of the waveform [-]
   double delivered;       // part of the impulse delivered by the start of the step [-]
   double delivered_next;  // and by its end; committed by advance
+  double scale;           // of what is not delivered, over that part of P_k (settled_energy.h) [-]
+  double scale_next;      // in this step; committed by advance
   double point[2][3];     // where the force acts, in the frames of the two bodies [m]
-  double normal[3];       // world frame; for spheres the line of centres replaces it
   double tangent[3];      // tangential impulse over P_k, on geom[1], world frame [-]
+  LineOfAction line;       // in the last step, or at the onset
+  LineOfAction line_next;  // in this step; committed by advance
 
+  bool under_way() const { return serial > 0 && delivered < 1; }
   bool slides() const { return tangent[0] != 0 || tangent[1] != 0 || tangent[2] != 0; }
 };
 

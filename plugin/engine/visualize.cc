@@ -2,7 +2,7 @@
 
 #include "engine/visualize.h"
 
-#include "engine/deliver.h"
+#include "engine/line_of_action.h"
 #include "engine/state.h"
 
 namespace mujoco_impact::engine {
@@ -34,8 +34,9 @@ void DrawPulses(const mjModel* m, mjData* d, const mjvOption* option, mjvScene* 
     const mjtNum part = pulse.delivered_next - pulse.delivered;
     if (part <= 0) continue;
     mjtNum from[3], force[3];
-    Store(PulsePoint(m, d, pulse, 1), from);
-    Store(part * pulse.impulse / m->opt.timestep * PulseForce(m, d, pulse), force);
+    mju_add3(from, d->xpos + 3 * BodyOf(m, pulse, 1), pulse.line_next.arm[1]);
+    const mjtNum normal_force = part * pulse.scale_next * pulse.impulse / m->opt.timestep;
+    Store(normal_force * PulseDirection(pulse), force);
     DrawArrow(m, from, force, scene);
   }
 }

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/settled_energy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/line_of_action.h"
+#include "engine/motion.h"
+#include "engine/point.h"
+#include "engine/tree_sets.h"
+
+namespace mujoco_impact::engine {
+
+namespace {
+
+// D, a and c of a set of bodies.
+struct Balance {
+  mjtNum difference, quadratic, slope;
+};
+
+// JᵀR of all pulses under way along the lines of the last step and of this one (nv each).
+struct Impulses {
+  mjtNum *before, *now;
+};
+
+template <typename Visit>
+void ForPulsesUnderWay(State& state, Visit visit) {
+  for (int i = 0; i < state.slots(); ++i) {
+    if (state.pulse(i).under_way()) visit(state.pulse(i));
+  }
+}
+
+int TreeOf(const mjModel* m, const Pulse& pulse, int side) {
+  const int last = LastDof(m, BodyOf(m, pulse, side));
+  return last < 0 ? -1 : m->dof_treeid[last];
+}
+
+int MovingTree(const mjModel* m, const Pulse& pulse) {
+  const int first = TreeOf(m, pulse, 0);
+  return first >= 0 ? first : TreeOf(m, pulse, 1);
+}
+
+TreeSets JoinedByPulses(const mjModel* m, State& state, Scratch& scratch) {
+  TreeSets sets(m->ntree, scratch);
+  ForPulsesUnderWay(state, [&](const Pulse& pulse) {
+    const int first = TreeOf(m, pulse, 0), second = TreeOf(m, pulse, 1);
+    if (first >= 0 && second >= 0) sets.Join(first, second);
+  });
+  return sets;
+}
+
+// Adds what tree contributes: T is a sum over kinematic trees.
+void AddTree(const mjModel* m, const mjData* d, int tree, const Impulses& impulses,
+             const Impulses& changes, Balance& balance) {
+  const int begin = m->tree_dofadr[tree], end = begin + m->tree_dofnum[tree];
+  for (int i = begin; i < end; ++i) {
+    const mjtNum before = impulses.before[i], now = impulses.now[i];
+    const mjtNum mean_change = 0.5 * (changes.before[i] + changes.now[i]);
+    balance.difference += (d->qvel[i] + mean_change) * (before - now);
+    balance.quadratic += 0.5 * now * changes.now[i];
+    balance.slope += (d->qvel[i] + changes.now[i]) * now;
+  }
+}
+
+mjtNum ScaleOf(const Balance& balance, mjtNum restitution) {
+  const auto [difference, a, c] = balance;
+  if (a <= 0) return 1;
+  const mjtNum D = difference > 0 ? restitution * restitution * difference : difference;
+  const mjtNum discriminant = c * c + 4 * a * D;
+  const mjtNum sigma =
+      discriminant <= 0 ? -c / (2 * a) : 2 * D / (c + std::copysign(std::sqrt(discriminant), c));
+  return std::max<mjtNum>(0, 1 + sigma);
+}
+
+}  // namespace
+
+void FollowLines(const mjModel* m, mjData* d, State& state, Scratch& scratch) {
+  const Impulses impulses{scratch.Zeros(m->nv), scratch.Zeros(m->nv)};
+  ForPulsesUnderWay(state, [&](Pulse& pulse) {
+    const mjtNum remaining = pulse.scale * pulse.impulse * (1 - pulse.delivered);
+    pulse.line_next = LineNow(m, d, pulse);
+    AddPulseRow(m, d, pulse, pulse.line, remaining, impulses.before);
+    AddPulseRow(m, d, pulse, pulse.line_next, remaining, impulses.now);
+  });
+  const Impulses changes{scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv)};
+  SolveInertia(m, d, changes.before, impulses.before);
+  SolveInertia(m, d, changes.now, impulses.now);
+
+  TreeSets sets = JoinedByPulses(m, state, scratch);
+  Balance* balances = scratch.Take<Balance>(m->ntree);
+  std::fill_n(balances, m->ntree, Balance{});
+  for (int tree = 0; tree < m->ntree; ++tree) {
+    AddTree(m, d, tree, impulses, changes, balances[sets.Root(tree)]);
+  }
+  ForPulsesUnderWay(state, [&](Pulse& pulse) {
+    const Balance& balance = balances[sets.Root(MovingTree(m, pulse))];
+    pulse.scale_next = pulse.scale * ScaleOf(balance, pulse.restitution);
+  });
+}
+
+}  // namespace mujoco_impact::engine
