@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "engine/config.h"
+#include "engine/contact_stiffness.h"
 #include "engine/friction.h"
 #include "engine/gather.h"
 #include "engine/island_system.h"
@@ -278,7 +279,7 @@ void Resolver::Run() {
   }
   for (int round = 0; round < kMaxRounds; ++round) {
     if (!FindDue(m_, d_, outlook, config_.touch, busy_, contacts_, scratch_)) return;
-    last_ = round == kMaxRounds - 1 || bent || !InstantRule(config_);
+    last_ = round == kMaxRounds - 1 || bent;
     flight_ = last_ ? std::numeric_limits<mjtNum>::infinity() : kSameImpact * h;
     ResolveRound(outlook);
     if (last_ || round_end_ >= h || !MoreMayClose(outlook)) return;

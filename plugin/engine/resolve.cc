@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "engine/contact_stiffness.h"
 #include "law/hertz_contact.h"
 #include "law/impact_law.h"
 #include "law/passivity.h"
@@ -14,35 +14,6 @@
 namespace mujoco_impact::engine {
 
 namespace {
-
-// Curvature of the geom at a contact [1/m]: exact for spheres and planes, of the order of the size
-// for other shapes, where it only sets how long a contact lasts and how it shares an impulse.
-mjtNum Curvature(const mjModel* m, int geom) {
-  const mjtNum* size = m->geom_size + 3 * geom;
-  switch (m->geom_type[geom]) {
-    case mjGEOM_PLANE:
-    case mjGEOM_HFIELD:
-    case mjGEOM_BOX:
-      return 0;
-    case mjGEOM_SPHERE:
-    case mjGEOM_CAPSULE:
-    case mjGEOM_CYLINDER:
-      return 1 / size[0];
-    case mjGEOM_ELLIPSOID:
-      return 1 / std::cbrt(size[0] * size[1] * size[2]);
-    default:
-      return 1 / m->geom_rbound[geom];
-  }
-}
-
-mjtNum ContactStiffness(const mjModel* m, const Config& config, const mjContact& contact) {
-  mjtNum curvature = Curvature(m, contact.geom[0]) + Curvature(m, contact.geom[1]);
-  if (curvature <= 0) {
-    // flat on flat: as stiff as a sphere of the size of the smaller body
-    curvature = 1 / std::max(m->geom_rbound[contact.geom[0]], m->geom_rbound[contact.geom[1]]);
-  }
-  return law::HertzStiffness(config.effective_modulus, curvature);
-}
 
 // What an island looks like to the laws.
 struct Problem {
@@ -74,6 +45,31 @@ Problem MakeProblem(const mjModel* m, const Config& config, const IslandSystem& 
   return problem;
 }
 
+// W for the contact, from the first moment of its force about the onset: the waveform then has the
+// same centre of impulse. A push that is rounding has its moment off by more than it lasts.
+mjtNum DurationFromMoment(mjtNum impulse, mjtNum moment, mjtNum onset, mjtNum restitution) {
+  constexpr mjtNum kShortest = 1e-12;  // [s]
+  return std::max(kShortest, (moment / impulse - onset) / law::WaveformMoment(1, restitution));
+}
+
+// How deep the bodies of a contact may overlap and stay with us: deeper, MuJoCo's contact would act
+// besides [m].
+mjtNum Depth(const mjContact& contact) { return -contact.includemargin; }
+
+// λ ≤ 1 by which a common duration must be shorter for no contact to overlap deeper than its depth.
+mjtNum ShortenToDepth(const Config& config, const IslandSystem& system, const Problem& problem,
+                      mjtNum duration) {
+  mjtNum shortening = 1;
+  for (int k = 0; k < problem.size; ++k) {
+    if (problem.impulse[k] <= 0) continue;
+    const mjtNum depth = Depth(*system.row[k].contact);
+    const mjtNum overlap = law::WaveformOverlap(problem.closing_speed[k], duration,
+                                                config.waveform_restitution);
+    if (overlap * shortening > depth) shortening = depth / overlap;
+  }
+  return shortening;
+}
+
 void SolveHertz(const Config& config, const IslandSystem& system, const ImpactTime& time,
                 Problem& problem) {
   const law::ImpactProblem impact{system.delassus,
@@ -87,6 +83,97 @@ void SolveHertz(const Config& config, const IslandSystem& system, const ImpactTi
                                   config.tolerance};
   law::ImpactSolution solution{problem.impulse, problem.moment, problem.onset, problem.after};
   law::SolveImpact(impact, config.passive, &solution, problem.work);
+}
+
+mjtNum DurationOf(const Config& config, const Problem& problem, int k) {
+  return DurationFromMoment(problem.impulse[k], problem.moment[k], problem.onset[k],
+                            config.waveform_restitution);
+}
+
+// How deep a contact may press to be called one at a point. What does not expand again, (1 − e²) y,
+// is a dent that stays, no deeper than the depth.
+mjtNum DeepestCompression(const mjModel* m, const Config& config, const mjContact& contact) {
+  constexpr mjtNum kOfRadius = 0.5;
+  const mjtNum deepest = kOfRadius / ContactCurvature(m, contact), e = config.restitution;
+  if (config.dissipation != law::Dissipation::kBistiffness || e >= 1) return deepest;
+  return std::min(deepest, Depth(contact) / (1 - e * e));
+}
+
+// λ ≤ 1 by which compressions must be smaller, by the peak forces of the solution, H = K y^(3/2). A
+// push that is rounding has a peak without meaning; but it stops no more than P W_kk.
+mjtNum CompressLess(const mjModel* m, const Config& config, const IslandSystem& system,
+                    const Problem& problem) {
+  mjtNum lessening = 1;
+  for (int k = 0; k < problem.size; ++k) {
+    const mjtNum P = problem.impulse[k];
+    if (P <= 0) continue;
+    const mjtNum W = DurationOf(config, problem, k);
+    const mjtNum deepest = DeepestCompression(m, config, *system.row[k].contact);
+    const mjtNum bound = law::WaveformOverlap(P * system.delassus.diagonal[k], W, 1);
+    if (bound <= deepest) continue;
+    const mjtNum y3_2 = law::WaveformHeight(P, W) / problem.stiffness[k];
+    const mjtNum compression = std::min(bound, std::cbrt(y3_2 * y3_2));
+    lessening = std::min(lessening, deepest / compression);
+  }
+  return lessening;
+}
+
+// S_k(t) = ∫∫ F_k of the waveform of contact k by time t from the closing.
+mjtNum TwiceIntegrated(const Config& config, const Problem& problem, int k, mjtNum t) {
+  const mjtNum P = problem.impulse[k];
+  if (P <= 0) return 0;
+  const mjtNum W = DurationOf(config, problem, k), e = config.waveform_restitution;
+  const mjtNum x = (t - problem.onset[k]) / W;
+  return P * W * (x * law::WaveformCumulative(x, e) - law::WaveformMoment(x, e));
+}
+
+// λ ≤ 1 by which the pulses of more than a step must be shorter for no contact to overlap deeper than
+// its depth meanwhile, y(t) = c t − g − W S(t): two waveforms that press a light body from both
+// sides are not those of the contacts, whose forces would follow it.
+mjtNum ShortenWaveforms(const Config& config, const IslandSystem& system, Problem& problem,
+                        mjtNum timestep) {
+  mjtNum longest = 0, end = 0;
+  for (int k = 0; k < problem.size; ++k) {
+    if (problem.impulse[k] <= 0) continue;
+    const mjtNum W = DurationOf(config, problem, k);
+    longest = std::max(longest, W);
+    end = std::max(end, problem.onset[k] + W);
+  }
+  if (longest <= timestep) return 1;
+  constexpr int kSamples = 8;
+  mjtNum shortening = 1;
+  mjtNum *S = problem.work.numbers, *WS = S + problem.size;
+  for (int i = 1; i <= kSamples; ++i) {
+    const mjtNum t = i * end / kSamples;
+    for (int k = 0; k < problem.size; ++k) S[k] = TwiceIntegrated(config, problem, k, t);
+    law::Multiply(system.delassus, S, WS);
+    for (int k = 0; k < problem.size; ++k) {
+      if (problem.impulse[k] <= 0) continue;
+      const mjtNum overlap = problem.closing_speed[k] * t - problem.gap[k] - WS[k];
+      const mjtNum depth = Depth(*system.row[k].contact);
+      if (overlap > depth) shortening = std::min(shortening, depth / overlap);
+    }
+  }
+  return shortening;
+}
+
+// Bodies that would press deeper are made as stiff as they must be, y ~ W ~ K^(−2/5): the impulses
+// of bodies that touch do not depend on it, only their times do.
+void StiffenToDepth(const mjModel* m, const Config& config, const IslandSystem& system,
+                    const ImpactTime& time, Problem& problem) {
+  constexpr int kTrials = 5;
+  for (int i = 0; i < kTrials; ++i) {
+    mjtNum lessening = CompressLess(m, config, system, problem);
+    if (InstantRule(config) && lessening >= 1) {
+      lessening = ShortenWaveforms(config, system, problem, time.timestep);
+    }
+    if (lessening >= 1) return;
+    mju_scl(problem.stiffness, problem.stiffness, std::pow(lessening, -2.5), problem.size);
+    for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset}) {
+      mju_zero(solution, problem.size);
+    }
+    SolveHertz(config, system, time, problem);
+  }
 }
 
 // P_k = α_k P on every contact that touches (10)-(12), made passive.
@@ -111,13 +198,6 @@ void SolveCalibrated(const Config& config, const Ownership& ownership, const Isl
   if (scale < 1) mju_scl(problem.impulse, problem.impulse, scale, problem.size);
 }
 
-// W for the contact, from the first moment of its force about the onset: the waveform then has the
-// same centre of impulse. A push that is rounding has its moment off by more than it lasts.
-mjtNum DurationFromMoment(mjtNum impulse, mjtNum moment, mjtNum onset, mjtNum restitution) {
-  constexpr mjtNum kShortest = 1e-12;  // [s]
-  return std::max(kShortest, (moment / impulse - onset) / law::WaveformMoment(1, restitution));
-}
-
 }  // namespace
 
 mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const mjtNum* velocity) {
@@ -132,16 +212,6 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
     inverse_mass = mju_dot(segment.jacobian, segment.inverse_inertia, dofs);
   }
   return 1 / inverse_mass;
-}
-
-mjtNum EstimateContactTime(const mjModel* m, const Config& config, const mjContact& contact,
-                           mjtNum speed) {
-  mjtNum mass = std::numeric_limits<mjtNum>::infinity();
-  for (const int geom : contact.geom) {
-    const int body = m->geom_bodyid[geom];
-    if (m->body_treeid[body] >= 0) mass = std::min(mass, m->body_mass[body]);
-  }
-  return law::ContactTime(ContactStiffness(m, config, contact), mass, speed);
 }
 
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
@@ -162,6 +232,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   mjtNum* alpha = scratch.Zeros(system.size);
   if (hertz) {
     SolveHertz(config, system, time, problem);
+    StiffenToDepth(m, config, system, time, problem);
     // α_k = P_k / P_ref, P_ref = (1 + e) μ u of the contact that closes first
     mju_scl(alpha, problem.impulse, 1 / ((1 + e) * reduced_mass * speed), system.size);
   } else {
@@ -177,13 +248,16 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   } else if (config.duration_rule == DurationRule::kHertz) {
     common = (1 + e) / 2 * law::ContactTime(problem.stiffness[first], reduced_mass, speed);
   }
+  if (!timed) common *= ShortenToDepth(config, system, problem, common);
+  const mjtNum centre = law::WaveformMoment(1, e);
   for (int k = 0; k < system.size; ++k) {
     const mjtNum P = problem.impulse[k];
     if (P <= 0) continue;
     const mjtNum onset = timed ? problem.onset[k] : 0;
-    const mjtNum W = timed ? DurationFromMoment(P, problem.moment[k], onset, e) : common;
-    const bool at_once = timed && W <= time.timestep;
-    impacts[k] = {P, alpha[k], tau + onset, W, problem.moment[k] + tau * P, at_once, {}};
+    const mjtNum W = timed ? DurationOf(config, problem, k) : common;
+    const mjtNum moment = timed ? problem.moment[k] : P * W * centre;
+    const bool at_once = timed ? W <= time.timestep : tau + W <= time.timestep;
+    impacts[k] = {P, alpha[k], tau + onset, W, moment + tau * P, at_once, {}};
   }
 }
 

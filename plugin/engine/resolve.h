@@ -32,10 +32,6 @@ struct ImpactTime {
   int first;        // which contact of the island that is
 };
 
-// How long two bodies touch that close with `speed`, by the masses of the bodies alone [s].
-mjtNum EstimateContactTime(const mjModel* m, const Config& config, const mjContact& contact,
-                           mjtNum speed);
-
 // m of the body that comes in at contact k: effective mass along the normal of the one that closes
 // faster, of both together if neither does [kg].
 mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const mjtNum* velocity);
