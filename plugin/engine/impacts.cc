@@ -86,14 +86,14 @@ class Resolver {
   mjtNum round_end_ = 0;  // when the first impact of the round is over
 };
 
-// Delivers the part of a new pulse that belongs to this step. Without a free slot, and for an
-// impact that is over within a step, that is all of it: no momentum is lost.
+// Delivers the part of a new pulse that belongs to this step: all of it, by its moment, if the
+// impact comes at once.
 void Resolver::AddImpact(const ContactRow& row, const Impact& impact) {
   const Pulse pulse = MakePulse(d_, row, impact, config_, state_);
   const Share whole{impact.impulse, impact.moment, 1};
-  Share share =
+  const Share share =
       impact.at_once ? whole : ShareOfStep(pulse, state_.header().clock, m_->opt.timestep);
-  if (!AddPending(state_, pulse, share.delivered_next)) share = whole;
+  AddPending(state_, pulse, share.delivered_next);
   AddRowTransposed(m_, row, share.impulse, delivery_.impulse);
   AddRowTransposed(m_, row, share.moment, delivery_.moment);
   AddRowTransposed(m_, row, SecondMoment(share), delivery_.second);
@@ -140,8 +140,17 @@ void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
   if (config_.friction) {
     AddFriction(m_, d_, config_, outlook.motion, time.tau, velocity, system, impacts, scratch);
   }
+  const auto pushes = std::count_if(impacts, impacts + count,
+                                    [](const Impact& impact) { return impact.impulse > 0; });
+  // Without free slots all of the island comes now, and no momentum is lost; all or none, for a light
+  // body between two others is pushed by the difference.
+  const bool no_room = !HasRoom(state_, static_cast<int>(pushes));
   mjtNum end = time.start + time.tau;
   for (int k = 0; k < count; ++k) {
+    if (no_room && !impacts[k].at_once) {
+      impacts[k].at_once = true;
+      impacts[k].moment = impacts[k].impulse * (time.start + time.tau);
+    }
     if (impacts[k].impulse <= 0) continue;
     AddImpact(system.row[k], impacts[k]);
     end = std::max(end, impacts[k].moment / impacts[k].impulse);

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/contact_stiffness.h"
+#include "engine/island_problem.h"
+#include "engine/overlap.h"
 #include "law/hertz_contact.h"
 #include "law/impact_law.h"
 #include "law/passivity.h"
@@ -15,36 +16,6 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-// What an island looks like to the laws.
-struct Problem {
-  int size;
-  mjtNum *closing_speed, *gap, *stiffness;
-  mjtNum *impulse, *moment, *onset, *after;  // the solution
-  law::Workspace work;
-};
-
-Problem MakeProblem(const mjModel* m, const Config& config, const IslandSystem& system,
-                    const mjtNum* velocity, Scratch& scratch) {
-  const int n = system.size;
-  Problem problem{
-      n,
-      scratch.Take<mjtNum>(n),
-      scratch.Take<mjtNum>(n),
-      scratch.Take<mjtNum>(n),
-      scratch.Zeros(n),
-      scratch.Zeros(n),
-      scratch.Zeros(n),
-      scratch.Take<mjtNum>(n),
-      {scratch.Take<mjtNum>(law::ImpactNumbers(n)), scratch.Take<int>(law::ImpactIndices(n))}};
-  for (int k = 0; k < n; ++k) {
-    const ContactRow& row = system.row[k];
-    problem.closing_speed[k] = -RowTimes(m, row, velocity);
-    problem.gap[k] = row.gap <= config.touch ? 0 : row.gap;
-    problem.stiffness[k] = ContactStiffness(m, config, *row.contact);
-  }
-  return problem;
-}
-
 // W for the contact, from the first moment of its force about the onset: the waveform then has the
 // same centre of impulse. A push that is rounding has its moment off by more than it lasts.
 mjtNum DurationFromMoment(mjtNum impulse, mjtNum moment, mjtNum onset, mjtNum restitution) {
@@ -52,133 +23,32 @@ mjtNum DurationFromMoment(mjtNum impulse, mjtNum moment, mjtNum onset, mjtNum re
   return std::max(kShortest, (moment / impulse - onset) / law::WaveformMoment(1, restitution));
 }
 
-// How deep the bodies of a contact may overlap and stay with us: deeper, MuJoCo's contact would act
-// besides [m].
-mjtNum Depth(const mjContact& contact) { return -contact.includemargin; }
-
-// λ ≤ 1 by which a common duration must be shorter for no contact to overlap deeper than its depth.
-mjtNum ShortenToDepth(const Config& config, const IslandSystem& system, const Problem& problem,
-                      mjtNum duration) {
-  mjtNum shortening = 1;
-  for (int k = 0; k < problem.size; ++k) {
-    if (problem.impulse[k] <= 0) continue;
-    const mjtNum depth = Depth(*system.row[k].contact);
-    const mjtNum overlap = law::WaveformOverlap(problem.closing_speed[k], duration,
-                                                config.waveform_restitution);
-    if (overlap * shortening > depth) shortening = depth / overlap;
-  }
-  return shortening;
-}
-
 void SolveHertz(const Config& config, const IslandSystem& system, const ImpactTime& time,
-                Problem& problem) {
+                IslandProblem& problem) {
   const law::ImpactProblem impact{system.delassus,
                                   problem.closing_speed,
                                   problem.gap,
                                   problem.stiffness,
                                   config.restitution,
                                   config.dissipation,
-                                  time.timestep - time.start - time.tau,
+                                  time.left(),
                                   time.flight,
                                   config.tolerance};
+  for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset}) {
+    mju_zero(solution, problem.size);
+  }
   law::ImpactSolution solution{problem.impulse, problem.moment, problem.onset, problem.after};
   law::SolveImpact(impact, config.passive, &solution, problem.work);
-}
-
-mjtNum DurationOf(const Config& config, const Problem& problem, int k) {
-  return DurationFromMoment(problem.impulse[k], problem.moment[k], problem.onset[k],
-                            config.waveform_restitution);
-}
-
-// How deep a contact may press to be called one at a point. What does not expand again, (1 − e²) y,
-// is a dent that stays, no deeper than the depth.
-mjtNum DeepestCompression(const mjModel* m, const Config& config, const mjContact& contact) {
-  constexpr mjtNum kOfRadius = 0.5;
-  const mjtNum deepest = kOfRadius / ContactCurvature(m, contact), e = config.restitution;
-  if (config.dissipation != law::Dissipation::kBistiffness || e >= 1) return deepest;
-  return std::min(deepest, Depth(contact) / (1 - e * e));
-}
-
-// λ ≤ 1 by which compressions must be smaller, by the peak forces of the solution, H = K y^(3/2). A
-// push that is rounding has a peak without meaning; but it stops no more than P W_kk.
-mjtNum CompressLess(const mjModel* m, const Config& config, const IslandSystem& system,
-                    const Problem& problem) {
-  mjtNum lessening = 1;
-  for (int k = 0; k < problem.size; ++k) {
-    const mjtNum P = problem.impulse[k];
-    if (P <= 0) continue;
-    const mjtNum W = DurationOf(config, problem, k);
-    const mjtNum deepest = DeepestCompression(m, config, *system.row[k].contact);
-    const mjtNum bound = law::WaveformOverlap(P * system.delassus.diagonal[k], W, 1);
-    if (bound <= deepest) continue;
-    const mjtNum y3_2 = law::WaveformHeight(P, W) / problem.stiffness[k];
-    const mjtNum compression = std::min(bound, std::cbrt(y3_2 * y3_2));
-    lessening = std::min(lessening, deepest / compression);
-  }
-  return lessening;
-}
-
-// S_k(t) = ∫∫ F_k of the waveform of contact k by time t from the closing.
-mjtNum TwiceIntegrated(const Config& config, const Problem& problem, int k, mjtNum t) {
-  const mjtNum P = problem.impulse[k];
-  if (P <= 0) return 0;
-  const mjtNum W = DurationOf(config, problem, k), e = config.waveform_restitution;
-  const mjtNum x = (t - problem.onset[k]) / W;
-  return P * W * (x * law::WaveformCumulative(x, e) - law::WaveformMoment(x, e));
-}
-
-// λ ≤ 1 by which the pulses of more than a step must be shorter for no contact to overlap deeper than
-// its depth meanwhile, y(t) = c t − g − W S(t): two waveforms that press a light body from both
-// sides are not those of the contacts, whose forces would follow it.
-mjtNum ShortenWaveforms(const Config& config, const IslandSystem& system, Problem& problem,
-                        mjtNum timestep) {
-  mjtNum longest = 0, end = 0;
   for (int k = 0; k < problem.size; ++k) {
     if (problem.impulse[k] <= 0) continue;
-    const mjtNum W = DurationOf(config, problem, k);
-    longest = std::max(longest, W);
-    end = std::max(end, problem.onset[k] + W);
-  }
-  if (longest <= timestep) return 1;
-  constexpr int kSamples = 8;
-  mjtNum shortening = 1;
-  mjtNum *S = problem.work.numbers, *WS = S + problem.size;
-  for (int i = 1; i <= kSamples; ++i) {
-    const mjtNum t = i * end / kSamples;
-    for (int k = 0; k < problem.size; ++k) S[k] = TwiceIntegrated(config, problem, k, t);
-    law::Multiply(system.delassus, S, WS);
-    for (int k = 0; k < problem.size; ++k) {
-      if (problem.impulse[k] <= 0) continue;
-      const mjtNum overlap = problem.closing_speed[k] * t - problem.gap[k] - WS[k];
-      const mjtNum depth = Depth(*system.row[k].contact);
-      if (overlap > depth) shortening = std::min(shortening, depth / overlap);
-    }
-  }
-  return shortening;
-}
-
-// Bodies that would press deeper are made as stiff as they must be, y ~ W ~ K^(−2/5): the impulses
-// of bodies that touch do not depend on it, only their times do.
-void StiffenToDepth(const mjModel* m, const Config& config, const IslandSystem& system,
-                    const ImpactTime& time, Problem& problem) {
-  constexpr int kTrials = 5;
-  for (int i = 0; i < kTrials; ++i) {
-    mjtNum lessening = CompressLess(m, config, system, problem);
-    if (InstantRule(config) && lessening >= 1) {
-      lessening = ShortenWaveforms(config, system, problem, time.timestep);
-    }
-    if (lessening >= 1) return;
-    mju_scl(problem.stiffness, problem.stiffness, std::pow(lessening, -2.5), problem.size);
-    for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset}) {
-      mju_zero(solution, problem.size);
-    }
-    SolveHertz(config, system, time, problem);
+    problem.duration[k] = DurationFromMoment(problem.impulse[k], problem.moment[k],
+                                             problem.onset[k], config.waveform_restitution);
   }
 }
 
 // P_k = α_k P on every contact that touches (10)-(12), made passive.
 void SolveCalibrated(const Config& config, const Ownership& ownership, const IslandSystem& system,
-                     int first, mjtNum momentum, Problem& problem, mjtNum* alpha,
+                     int first, mjtNum momentum, IslandProblem& problem, mjtNum* alpha,
                      Scratch& scratch) {
   const int pairs = ownership.size() - 1;
   mjtNum* alphas = scratch.Take<mjtNum>(pairs);
@@ -196,6 +66,48 @@ void SolveCalibrated(const Config& config, const Ownership& ownership, const Isl
   const mjtNum scale = law::PassiveScale(system.delassus, problem.closing_speed, problem.impulse,
                                          problem.work.numbers);
   if (scale < 1) mju_scl(problem.impulse, problem.impulse, scale, problem.size);
+}
+
+bool AreShorter(const IslandProblem& problem, mjtNum time) {
+  for (int k = 0; k < problem.size; ++k) {
+    if (problem.impulse[k] > 0 && problem.duration[k] > time) return false;
+  }
+  return true;
+}
+
+// Solves the Hertz law with bodies that are as stiff as they must be to stay within their depth, y ~
+// W ~ K^(−2/5): the impulses of bodies that touch do not depend on it, only their times do. Returns
+// whether the impulses come at once.
+bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem& system,
+                      const ImpactTime& time, IslandProblem& problem) {
+  constexpr int kTrials = 5;
+  bool at_once = false;
+  for (int i = 0; i < kTrials; ++i) {
+    SolveHertz(config, system, time, problem);
+    mjtNum less = CompressLess(m, config, system, problem);
+    if (InstantRule(config) && less >= 1) {
+      at_once =
+          AreShorter(problem, time.timestep) && MayComeAtOnce(system, problem, time.left());
+      if (!at_once) less = OverlapLess(config, system, problem);
+    }
+    if (less >= 1) break;
+    mju_scl(problem.stiffness, problem.stiffness, std::pow(less, -2.5), problem.size);
+  }
+  return at_once;
+}
+
+// Gives all contacts one pulse of the duration W, or as much shorter as their depth asks for. Returns
+// whether the impulses come at once.
+bool SetCommonPulse(const Config& config, const IslandSystem& system, const ImpactTime& time,
+                    mjtNum duration, IslandProblem& problem) {
+  std::fill_n(problem.onset, problem.size, 0);
+  std::fill_n(problem.duration, problem.size, duration);
+  mju_scl(problem.duration, problem.duration, OverlapLess(config, system, problem), problem.size);
+  const mjtNum centre = law::WaveformMoment(1, config.waveform_restitution);
+  for (int k = 0; k < problem.size; ++k) {
+    problem.moment[k] = problem.impulse[k] * problem.duration[k] * centre;
+  }
+  return AreShorter(problem, time.left());
 }
 
 }  // namespace
@@ -217,7 +129,7 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
                    Impact* impacts, Scratch& scratch) {
-  Problem problem = MakeProblem(m, config, system, velocity, scratch);
+  IslandProblem problem = MakeProblem(m, config, system, velocity, scratch);
   const int first = time.first;
   const mjtNum speed = problem.closing_speed[first];
   std::fill_n(impacts, system.size, Impact{});
@@ -228,11 +140,10 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   // p = m u of the body that brings the momentum into the contact that closes first
   const mjtNum momentum = IncomingMass(m, system, first, velocity) * speed;
   const mjtNum e = config.waveform_restitution;
-  const bool hertz = config.law == Law::kHertz;
   mjtNum* alpha = scratch.Zeros(system.size);
-  if (hertz) {
-    SolveHertz(config, system, time, problem);
-    StiffenToDepth(m, config, system, time, problem);
+  bool at_once = false;
+  if (config.law == Law::kHertz) {
+    at_once = SolveWithinDepth(m, config, system, time, problem);
     // α_k = P_k / P_ref, P_ref = (1 + e) μ u of the contact that closes first
     mju_scl(alpha, problem.impulse, 1 / ((1 + e) * reduced_mass * speed), system.size);
   } else {
@@ -240,24 +151,26 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   }
 
   // the waveform: when they come
-  const bool timed = InstantRule(config);
-  const mjtNum tau = time.start + time.tau;
-  mjtNum common = config.duration;
-  if (config.duration_rule == DurationRule::kPaper) {
-    common = law::CalibratedDuration(config.calibrated, momentum);
-  } else if (config.duration_rule == DurationRule::kHertz) {
-    common = (1 + e) / 2 * law::ContactTime(problem.stiffness[first], reduced_mass, speed);
+  if (!InstantRule(config)) {
+    mjtNum W = config.duration;
+    if (config.duration_rule == DurationRule::kPaper) {
+      W = law::CalibratedDuration(config.calibrated, momentum);
+    } else if (config.duration_rule == DurationRule::kHertz) {
+      W = (1 + e) / 2 * law::ContactTime(problem.stiffness[first], reduced_mass, speed);
+    }
+    at_once = SetCommonPulse(config, system, time, W, problem);
   }
-  if (!timed) common *= ShortenToDepth(config, system, problem, common);
-  const mjtNum centre = law::WaveformMoment(1, e);
+  const mjtNum tau = time.start + time.tau;
   for (int k = 0; k < system.size; ++k) {
     const mjtNum P = problem.impulse[k];
     if (P <= 0) continue;
-    const mjtNum onset = timed ? problem.onset[k] : 0;
-    const mjtNum W = timed ? DurationOf(config, problem, k) : common;
-    const mjtNum moment = timed ? problem.moment[k] : P * W * centre;
-    const bool at_once = timed ? W <= time.timestep : tau + W <= time.timestep;
-    impacts[k] = {P, alpha[k], tau + onset, W, moment + tau * P, at_once, {}};
+    impacts[k] = {P,
+                  alpha[k],
+                  tau + problem.onset[k],
+                  problem.duration[k],
+                  problem.moment[k] + tau * P,
+                  at_once,
+                  {}};
   }
 }
 

@@ -30,6 +30,8 @@ struct ImpactTime {
   mjtNum timestep;  // h [s]
   mjtNum flight;    // contacts that close after a longer flight are left for later [s]
   int first;        // which contact of the island that is
+
+  mjtNum left() const { return timestep - start - tau; }  // of the step
 };
 
 // m of the body that comes in at contact k: effective mass along the normal of the one that closes

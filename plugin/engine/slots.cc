@@ -65,7 +65,14 @@ Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, co
   return pulse;
 }
 
-bool AddPending(State& state, const Pulse& pulse, mjtNum delivered_next) {
+bool HasRoom(const State& state, int number) {
+  for (int i = 0; i < state.slots() && number > 0; ++i) {
+    if (IsFree(state.pulse(i))) --number;
+  }
+  return number <= 0;
+}
+
+void AddPending(State& state, const Pulse& pulse, mjtNum delivered_next) {
   Header& header = state.header();
   header.pending_pulses += 1;
   const double serial = header.count + header.pending_pulses;
@@ -79,9 +86,8 @@ bool AddPending(State& state, const Pulse& pulse, mjtNum delivered_next) {
     slot.serial = -serial;
     slot.delivered = 0;
     slot.delivered_next = delivered_next;
-    return true;
+    return;
   }
-  return false;
 }
 
 void CommitPulses(const mjModel* m, State& state, int instance) {

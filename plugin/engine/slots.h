@@ -20,8 +20,11 @@ void DiscardPending(State& state);
 Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, const Config& config,
                 const State& state);
 
-// Puts the pulse into a slot that is not under way, as pending. False if there is none.
-bool AddPending(State& state, const Pulse& pulse, mjtNum delivered_next);
+// Whether `number` more pulses fit into the slots.
+bool HasRoom(const State& state, int number);
+
+// Puts the pulse into a slot that is not under way, as pending; without one it has no record.
+void AddPending(State& state, const Pulse& pulse, mjtNum delivered_next);
 
 // Commits the pending pulses and the parts delivered.
 void CommitPulses(const mjModel* m, State& state, int instance);

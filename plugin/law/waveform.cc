@@ -28,11 +28,6 @@ double WaveformHeight(double impulse, double duration) { return kHalfPi * impuls
 
 double WaveformImpulse(double height, double duration) { return height * duration / kHalfPi; }
 
-double WaveformOverlap(double closing_speed, double duration, double restitution) {
-  // (2/π) c W / (1+E)
-  return closing_speed * duration / (kHalfPi * (1 + restitution));
-}
-
 double WaveformCumulative(double t, double restitution) {
   if (t <= 0) return 0;
   if (t >= 1) return 1;

@@ -26,10 +26,6 @@ double WaveformHeight(double impulse, double duration);
 // Impulse P [N s] of the pulse with height H [N] and duration W [s]: P = (2/π) H W.
 double WaveformImpulse(double height, double duration);
 
-// Overlap [m] at which the pulse stops two bodies that close with speed c [m/s] and part with E c:
-// c W_c − ∫∫ F/μ over the compression = (2/π) c W / (1+E).
-double WaveformOverlap(double closing_speed, double duration, double restitution);
-
 // ∫₀^t f: the part of the impulse delivered by time t; 0 for t ≤ 0 and exactly 1 for t ≥ 1.
 double WaveformCumulative(double t, double restitution);
 

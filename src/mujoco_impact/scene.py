@@ -177,15 +177,16 @@ def _default_depth(
 ) -> float:
     """Returns the overlap at which MuJoCo's own contact takes over [m].
 
-    During a half-sine pulse of duration W that reverses the closing speed u, bodies
-    overlap by u W / pi; u is taken as that of a fall through the scene. Runge-Kutta
+    During a pulse of duration W bodies that close with the speed u overlap by up to
+    u W / 2, half of what two geoms of this depth leave; u is taken as that of a fall
+    through the scene. Runge-Kutta
     spreads every impact over the step h, and looks at positions in its middle at which
     bodies overlap by up to u h / 2. An impact that passes through a row is delivered in
     the step in which it begins, each ball placed on the path that it will have; those
     that the impact has yet to reach overlap by u times the time it still takes.
     """
     size = smallest_size(model, owned)
-    overlap = fall_speed(model) * _pulse_duration(config) / math.pi
+    overlap = fall_speed(model) * _pulse_duration(config) / 2
     overlap += fall_speed(model) * _passage(model, owned, config)
     if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
         overlap += fall_speed(model) * float(model.opt.timestep) / 2

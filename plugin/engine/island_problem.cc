@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/island_problem.h"
+
+#include "engine/contact_stiffness.h"
+#include "law/impact_law.h"
+
+namespace mujoco_impact::engine {
+
+IslandProblem MakeProblem(const mjModel* m, const Config& config, const IslandSystem& system,
+                          const mjtNum* velocity, Scratch& scratch) {
+  const int n = system.size;
+  IslandProblem problem{
+      n,
+      scratch.Take<mjtNum>(n),
+      scratch.Take<mjtNum>(n),
+      scratch.Take<mjtNum>(n),
+      scratch.Zeros(n),
+      scratch.Zeros(n),
+      scratch.Zeros(n),
+      scratch.Zeros(n),
+      scratch.Take<mjtNum>(n),
+      {scratch.Take<mjtNum>(law::ImpactNumbers(n)), scratch.Take<int>(law::ImpactIndices(n))}};
+  for (int k = 0; k < n; ++k) {
+    const ContactRow& row = system.row[k];
+    problem.closing_speed[k] = -RowTimes(m, row, velocity);
+    problem.gap[k] = row.gap <= config.touch ? 0 : row.gap;
+    problem.stiffness[k] = ContactStiffness(m, config, *row.contact);
+  }
+  return problem;
+}
+
+}  // namespace mujoco_impact::engine

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/overlap.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/contact_stiffness.h"
+#include "law/waveform.h"
+
+namespace mujoco_impact::engine {
+
+namespace {
+
+// Of M: what else presses meanwhile, and the turning of normals, need room, too.
+constexpr mjtNum kOfDepth = 0.6;
+
+// Of 1/(1/R₁ + 1/R₂): beyond, a contact is no longer one at a point.
+constexpr mjtNum kOfRadius = 0.5;
+
+mjtNum DepthOf(const ContactRow& row) { return -kOfDepth * row.contact->includemargin; }
+
+// How deep a contact may press. What does not expand again, (1 − e²) y, is a dent that stays.
+mjtNum DeepestCompression(const mjModel* m, const Config& config, const ContactRow& row) {
+  const mjtNum deepest = kOfRadius / ContactCurvature(m, *row.contact), e = config.restitution;
+  if (config.dissipation != law::Dissipation::kBistiffness || e >= 1) return deepest;
+  return std::min(deepest, DepthOf(row) / (1 - e * e));
+}
+
+// ∫∫ F_k of the waveform by time t.
+mjtNum TwiceIntegrated(const IslandProblem& problem, int k, mjtNum t, mjtNum restitution) {
+  if (problem.impulse[k] <= 0) return 0;
+  const mjtNum W = problem.duration[k], x = (t - problem.onset[k]) / W;
+  return problem.impulse[k] * W *
+         (x * law::WaveformCumulative(x, restitution) - law::WaveformMoment(x, restitution));
+}
+
+mjtNum EndOf(const IslandProblem& problem) {
+  mjtNum end = 0;
+  for (int k = 0; k < problem.size; ++k) {
+    if (problem.impulse[k] > 0) end = std::max(end, problem.onset[k] + problem.duration[k]);
+  }
+  return end;
+}
+
+// λ at time t, `integral` ∫∫ F_k by then.
+mjtNum LessAt(const IslandSystem& system, const IslandProblem& problem, mjtNum t,
+              const mjtNum* integral) {
+  mjtNum* displacement = problem.work.numbers + problem.size;
+  law::Multiply(system.delassus, integral, displacement);
+  mjtNum less = 1;
+  for (int k = 0; k < problem.size; ++k) {
+    if (problem.impulse[k] <= 0) continue;
+    // y = c t − g − W ∫∫ F
+    const mjtNum overlap = problem.closing_speed[k] * t - problem.gap[k] - displacement[k];
+    const mjtNum depth = DepthOf(system.row[k]);
+    if (overlap > depth) less = std::min(less, depth / overlap);
+  }
+  return less;
+}
+
+}  // namespace
+
+mjtNum CompressLess(const mjModel* m, const Config& config, const IslandSystem& system,
+                    const IslandProblem& problem) {
+  mjtNum less = 1;
+  for (int k = 0; k < problem.size; ++k) {
+    const mjtNum P = problem.impulse[k], W = problem.duration[k];
+    if (P <= 0) continue;
+    const mjtNum deepest = DeepestCompression(m, config, system.row[k]);
+    // a push that is rounding has a peak without meaning, but stops no more than P W_kk
+    const mjtNum bound = P * system.delassus.diagonal[k] * W;
+    if (bound <= deepest) continue;
+    const mjtNum y3_2 = law::WaveformHeight(P, W) / problem.stiffness[k];
+    less = std::min(less, deepest / std::min(bound, std::cbrt(y3_2 * y3_2)));
+  }
+  return less;
+}
+
+mjtNum OverlapLess(const Config& config, const IslandSystem& system,
+                   const IslandProblem& problem) {
+  constexpr int kSamples = 8;
+  const mjtNum end = EndOf(problem);
+  mjtNum* integral = problem.work.numbers;
+  mjtNum less = 1;
+  for (int i = 1; i <= kSamples; ++i) {
+    const mjtNum t = i * end / kSamples;
+    for (int k = 0; k < problem.size; ++k) {
+      integral[k] = TwiceIntegrated(problem, k, t, config.waveform_restitution);
+    }
+    less = std::min(less, LessAt(system, problem, t, integral));
+  }
+  return less;
+}
+
+bool MayComeAtOnce(const IslandSystem& system, const IslandProblem& problem, mjtNum time) {
+  if (EndOf(problem) <= time) return true;
+  mjtNum* integral = problem.work.numbers;
+  for (int k = 0; k < problem.size; ++k) {
+    integral[k] = problem.impulse[k] * time - problem.moment[k];
+  }
+  return LessAt(system, problem, time, integral) >= 1;
+}
+
+}  // namespace mujoco_impact::engine

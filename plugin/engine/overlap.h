@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// How deep bodies overlap because an impact takes time, against how deep they may.
+//
+// A contact is ours down to the depth M: deeper, MuJoCo's own would act besides. So what shows of an
+// impact at the ends of steps is kept within a part of M, and a compression within what can be
+// called the touching of two bodies at a point. All functions return the λ ≤ 1 by which overlaps, and
+// with them the times of the impact, must be smaller.
+
+#ifndef MUJOCO_IMPACT_ENGINE_OVERLAP_H_
+#define MUJOCO_IMPACT_ENGINE_OVERLAP_H_
+
+#include <mujoco/mujoco.h>
+
+#include "engine/config.h"
+#include "engine/island_problem.h"
+#include "engine/island_system.h"
+
+namespace mujoco_impact::engine {
+
+// For the compressions of the Hertz law, by the peak forces of its solution, H = K y^(3/2).
+mjtNum CompressLess(const mjModel* m, const Config& config, const IslandSystem& system,
+                    const IslandProblem& problem);
+
+// For overlaps while the pulses last, y(t) = c t − g − W ∫∫ F of their waveforms. Two waveforms that
+// press a light body from both sides are not the forces of the contacts, which would follow it.
+mjtNum OverlapLess(const Config& config, const IslandSystem& system, const IslandProblem& problem);
+
+// Whether bodies overlap no deeper than that after the `time` left of the step if all impulses are
+// delivered in it: each body is then put on the path that it will have when the impact is over.
+bool MayComeAtOnce(const IslandSystem& system, const IslandProblem& problem, mjtNum time);
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_OVERLAP_H_
