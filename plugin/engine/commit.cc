@@ -19,7 +19,7 @@ namespace {
 void CorrectForEuler(const mjModel* m, mjData* d, State& state) {
   Scratch scratch(d);
   mjtNum* shift = scratch.Take<mjtNum>(m->nv);
-  SolveInertia(m, d, shift, state.held_force());
+  Mobility(m, d, scratch).Solve(shift, state.held_force());
   // Δq for lag 0 = Δq for lag a − a h ΔV
   const mjtNum h = m->opt.timestep;
   mju_addToScl(state.correction(), shift, -ImpulseLag(m) * h * h, m->nv);

@@ -20,8 +20,8 @@ bool ImplicitDamping(const mjModel* m) {
 }
 
 // The impulse by which gravity and springs differ along the bent path, as a force of the step.
-void AddDetour(const mjModel* m, mjData* d, const Delivery& delivery, mjtNum* force,
-               Scratch& scratch) {
+void AddDetour(const mjModel* m, mjData* d, const Mobility& mobility, const Delivery& delivery,
+               mjtNum* force, Scratch& scratch) {
   mjtNum* detour = scratch.Take<mjtNum>(m->nv);
   mjtNum* displacement = scratch.Take<mjtNum>(m->nv);
   const PathWeights weights = DetourWeights(m);
@@ -29,7 +29,7 @@ void AddDetour(const mjModel* m, mjData* d, const Delivery& delivery, mjtNum* fo
     detour[i] = weights.impulse * delivery.impulse[i] + weights.moment * delivery.moment[i] +
                 weights.second * delivery.second[i];
   }
-  SolveInertia(m, d, displacement, detour);
+  mobility.Solve(displacement, detour);
   mju_scl(displacement, displacement, 1 / m->opt.timestep, m->nv);
   AddWeightGradient(m, d, displacement, force);
 }
@@ -67,9 +67,9 @@ mjtNum ActiveEnd(const State& state) {
   return end;
 }
 
-void DeliverActive(const mjModel* m, mjData* d, State& state, Delivery& delivery,
-                   Scratch& scratch) {
-  FollowLines(m, d, state, scratch);
+void DeliverActive(const mjModel* m, mjData* d, const Mobility& mobility, State& state,
+                   Delivery& delivery, Scratch& scratch) {
+  FollowLines(m, d, mobility, state, scratch);
   mjtNum* row = scratch.Take<mjtNum>(m->nv);
   for (int i = 0; i < state.slots(); ++i) {
     Pulse& pulse = state.pulse(i);
@@ -97,7 +97,8 @@ void WakeStruck(const mjModel* m, mjData* d, const mjtNum* force, Scratch& scrat
   }
 }
 
-void Apply(const mjModel* m, mjData* d, State& state, const Delivery& delivery, Scratch& scratch) {
+void Apply(const mjModel* m, mjData* d, const Mobility& mobility, State& state,
+           const Delivery& delivery, Scratch& scratch) {
   const mjtNum h = m->opt.timestep;
   mjtNum* correction = state.correction();
   mjtNum* force = state.held_force();
@@ -105,7 +106,7 @@ void Apply(const mjModel* m, mjData* d, State& state, const Delivery& delivery, 
   // Δq = M⁻¹ (a h ΔP − M₁)
   const mjtNum a = ImpulseLag(m);
   for (int i = 0; i < m->nv; ++i) moment[i] = a * h * delivery.impulse[i] - delivery.moment[i];
-  SolveInertia(m, d, correction, moment);
+  mobility.Solve(correction, moment);
   for (int tree = 0; tree < m->ntree; ++tree) {
     if (!IsAsleep(d, tree)) continue;
     const int begin = m->tree_dofadr[tree], dofs = m->tree_dofnum[tree];
@@ -117,7 +118,7 @@ void Apply(const mjModel* m, mjData* d, State& state, const Delivery& delivery, 
     force[i] = delivery.impulse[i] / h;
     if (damped) force[i] -= m->dof_damping[i] * correction[i] / h;
   }
-  AddDetour(m, d, delivery, force, scratch);
+  AddDetour(m, d, mobility, delivery, force, scratch);
   mju_addTo(d->qfrc_passive, force, m->nv);
   state.header().pending = 1;
 }

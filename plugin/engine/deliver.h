@@ -16,6 +16,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include "engine/mobility.h"
 #include "engine/scratch.h"
 #include "engine/state.h"
 #include "engine/weight_gradient.h"
@@ -50,15 +51,16 @@ inline mjtNum SecondMoment(const Share& share) {
 mjtNum ActiveEnd(const State& state);
 
 // Adds the pulses under way and notes what they will have delivered.
-void DeliverActive(const mjModel* m, mjData* d, State& state, Delivery& delivery,
-                   Scratch& scratch);
+void DeliverActive(const mjModel* m, mjData* d, const Mobility& mobility, State& state,
+                   Delivery& delivery, Scratch& scratch);
 
 // What sleeps feels no force: when the step is committed, an impulse sets its velocity, which wakes
 // it, and Δq = M⁻¹ Jᵀ (h ΔP − M₁) is all of its way. `force` is what Apply left in the state.
 void WakeStruck(const mjModel* m, mjData* d, const mjtNum* force, Scratch& scratch);
 
 // Puts the sums into qfrc_passive and leaves the position correction pending in the state.
-void Apply(const mjModel* m, mjData* d, State& state, const Delivery& delivery, Scratch& scratch);
+void Apply(const mjModel* m, mjData* d, const Mobility& mobility, State& state,
+           const Delivery& delivery, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

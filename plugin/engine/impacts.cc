@@ -36,12 +36,13 @@ constexpr mjtNum kShortPulses = 0.5;
 
 class Resolver {
  public:
-  Resolver(const mjModel* m, mjData* d, int instance, State& state, Delivery& delivery,
-           Scratch& scratch)
+  Resolver(const mjModel* m, mjData* d, int instance, const Mobility& mobility, State& state,
+           Delivery& delivery, Scratch& scratch)
       : m_(m),
         d_(d),
         ownership_(m, instance),
         config_(ReadConfig(m, instance, ownership_.size(), nullptr)),
+        mobility_(mobility),
         state_(state),
         delivery_(delivery),
         scratch_(scratch),
@@ -60,6 +61,8 @@ class Resolver {
   void ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, const int* position,
                        int count);
   ImpactTime FirstClosing(const Outlook& outlook, const int* position, int count) const;
+  template <typename Visit>
+  void ForStruck(const ContactRow& row, Visit visit) const;
   void AddImpact(const ContactRow& row, const Impact& impact);
   bool IsReached(const int* position, int count, mjtNum tau);
   void AnchorAll();
@@ -72,6 +75,7 @@ class Resolver {
   mjData* d_;
   const Ownership ownership_;
   const Config config_;
+  const Mobility& mobility_;
   State& state_;
   Delivery& delivery_;
   Scratch& scratch_;
@@ -86,6 +90,19 @@ class Resolver {
   mjtNum round_end_ = 0;  // when the first impact of the round is over
 };
 
+// Visits the trees that an impulse of the contact moves.
+template <typename Visit>
+void Resolver::ForStruck(const ContactRow& row, Visit visit) const {
+  for (const RowSegment& segment : row.segment) {
+    if (segment.tree < 0) continue;
+    visit(segment.tree);
+    if (mobility_.ties() == 0) continue;
+    for (int tree = 0; tree < m_->ntree; ++tree) {
+      if (mobility_.AreTied(tree, segment.tree)) visit(tree);
+    }
+  }
+}
+
 // Delivers the part of a new pulse that belongs to this step: all of it, by its moment, if the
 // impact comes at once.
 void Resolver::AddImpact(const ContactRow& row, const Impact& impact) {
@@ -99,13 +116,9 @@ void Resolver::AddImpact(const ContactRow& row, const Impact& impact) {
   AddRowTransposed(m_, row, SecondMoment(share), delivery_.second);
   const mjtNum rest = impact.impulse - share.impulse;
   owes_ = owes_ || rest > 0;
-  for (const RowSegment& segment : row.segment) {
-    if (segment.tree < 0) continue;
-    const int begin = m_->tree_dofadr[segment.tree], dofs = m_->tree_dofnum[segment.tree];
-    mju_addToScl(kicked_.velocity + begin, segment.inverse_inertia, share.impulse, dofs);
-    mju_addToScl(owed_ + begin, segment.inverse_inertia, rest, dofs);
-    mark_[segment.tree] = kStruck;
-  }
+  AddAnswer(m_, mobility_, row, share.impulse, kicked_.velocity, scratch_);
+  AddAnswer(m_, mobility_, row, rest, owed_, scratch_);
+  ForStruck(row, [this](int tree) { mark_[tree] = kStruck; });
 }
 
 ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, int count) const {
@@ -123,7 +136,7 @@ ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, i
 void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, const int* position,
                                int count) {
   Scratch scratch(d_);
-  size_t bytes = IslandBytes(m_, d_, contacts_, position, count, scratch);
+  size_t bytes = IslandBytes(m_, d_, mobility_, contacts_, position, count, scratch);
   if (config_.friction) bytes += FrictionBytes(m_, bytes);
   if (!scratch.Fits(bytes)) {
     mju_warning(
@@ -133,7 +146,7 @@ void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
     return;
   }
   IslandSystem system =
-      BuildIsland(m_, d_, contacts_, position, count, outlook.motion, time.tau, scratch);
+      BuildIsland(m_, d_, mobility_, contacts_, position, count, outlook.motion, time.tau, scratch);
   const mjtNum* velocity = SettledVelocity(m_, outlook, time.tau, scratch);
   Impact* impacts = scratch.Take<Impact>(count);
   ResolveIsland(m_, config_, ownership_, system, time, velocity, impacts, scratch);
@@ -158,9 +171,7 @@ void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
   round_end_ = std::min(round_end_, end);
   for (int k = 0; k < count; ++k) {
     if (impacts[k].impulse <= 0) continue;
-    for (const RowSegment& segment : system.row[k].segment) {
-      if (segment.tree >= 0) busy_[segment.tree] = end;
-    }
+    ForStruck(system.row[k], [&](int tree) { busy_[tree] = end; });
   }
 }
 
@@ -183,7 +194,7 @@ mjtNum Resolver::Reach(const Outlook& outlook) {
 void Resolver::ResolveRound(const Outlook& outlook) {
   Scratch scratch(d_);
   FindNear(m_, d_, outlook, Reach(outlook), contacts_);
-  const Islands islands = FindIslands(m_, d_, contacts_.contact, contacts_.due, contacts_.near,
+  const Islands islands = FindIslands(m_, d_, mobility_, contacts_.contact, contacts_.due, contacts_.near,
                                       contacts_.count, scratch);
   round_end_ = m_->opt.timestep;
   std::fill_n(mark_, m_->ntree, kUntouched);
@@ -278,9 +289,9 @@ void Resolver::Run() {
   // pulses of the last step that soon end are looked back on; longer ones bend the path
   const mjtNum pulses_end = ActiveEnd(state_);
   const bool bent = pulses_end > kShortPulses * h;
-  Outlook outlook = LookAhead(m_, d_, delivery_, bent, scratch_);
+  Outlook outlook = LookAhead(m_, d_, mobility_, delivery_, bent, scratch_);
   const Motion start = outlook.motion;
-  BodiesInStep bodies(m_, d_, start, scratch_);
+  BodiesInStep bodies(m_, d_, mobility_, start, scratch_);
   if (pulses_end > 0 && !bent) {
     AnchorAll();
     MarkPulses(pulses_end);
@@ -300,9 +311,9 @@ void Resolver::Run() {
 
 }  // namespace
 
-void ResolveImpacts(const mjModel* m, mjData* d, int instance, State& state, Delivery& delivery,
-                    Scratch& scratch) {
-  Resolver(m, d, instance, state, delivery, scratch).Run();
+void ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
+                    State& state, Delivery& delivery, Scratch& scratch) {
+  Resolver(m, d, instance, mobility, state, delivery, scratch).Run();
 }
 
 }  // namespace mujoco_impact::engine

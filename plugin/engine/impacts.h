@@ -11,6 +11,7 @@
 #include <mujoco/mujoco.h>
 
 #include "engine/deliver.h"
+#include "engine/mobility.h"
 #include "engine/scratch.h"
 #include "engine/state.h"
 
@@ -18,8 +19,8 @@ namespace mujoco_impact::engine {
 
 // Resolves every impact of the step and adds what it exerts in it to `delivery`. New pulses are
 // left pending in the state.
-void ResolveImpacts(const mjModel* m, mjData* d, int instance, State& state, Delivery& delivery,
-                    Scratch& scratch);
+void ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
+                    State& state, Delivery& delivery, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

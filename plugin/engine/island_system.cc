@@ -47,24 +47,50 @@ mjtNum Couple(const mjModel* m, const ContactRow& k, const ContactRow& l) {
   return sum;
 }
 
-// Contacts of the island by kinematic tree.
+// J x of the ties for x = M⁻¹ J_kᵀ (ties).
+void TieRates(const Mobility& mobility, const ContactRow& row, mjtNum* rates) {
+  mju_zero(rates, mobility.ties());
+  for (const RowSegment& segment : row.segment) {
+    if (segment.tree >= 0) mobility.AddTieRates(segment.tree, segment.inverse_inertia, rates);
+  }
+}
+
+// W −= (J M⁻¹ J_tᵀ) (A + R)⁻¹ (J_t M⁻¹ Jᵀ): what the ties J_t take up.
+void AddTies(const Mobility& mobility, const IslandSystem& system, mjtNum* value,
+             mjtNum* diagonal, Scratch& scratch) {
+  const int ties = mobility.ties();
+  mjtNum* rates = scratch.Take<mjtNum>(system.size * ties);
+  mjtNum* force = scratch.Take<mjtNum>(ties);
+  for (int k = 0; k < system.size; ++k) TieRates(mobility, system.row[k], rates + k * ties);
+  const law::DelassusMatrix& W = system.delassus;
+  for (int k = 0; k < system.size; ++k) {
+    mobility.SolveTies(force, rates + k * ties);
+    for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
+      value[a] -= mju_dot(force, rates + W.column[a] * ties, ties);
+      if (W.column[a] == k) diagonal[k] = value[a];
+    }
+  }
+}
+
+// Contacts of the island by kinematic tree, tied ones together.
 struct ByTree {
   int* start;    // (ntree + 1)
   int* contact;  // positions in the island
 };
 
-ByTree SortByTree(const mjModel* m, const IslandSystem& system, Scratch& scratch) {
+ByTree SortByTree(const mjModel* m, const Mobility& mobility, const IslandSystem& system,
+                  Scratch& scratch) {
   ByTree by{scratch.Take<int>(m->ntree + 2), scratch.Take<int>(2 * system.size)};
   std::fill_n(by.start, m->ntree + 2, 0);
   for (int k = 0; k < system.size; ++k) {
     for (const RowSegment& segment : system.row[k].segment) {
-      if (segment.tree >= 0) ++by.start[segment.tree + 2];
+      if (segment.tree >= 0) ++by.start[mobility.Group(segment.tree) + 2];
     }
   }
   for (int t = 2; t < m->ntree + 2; ++t) by.start[t] += by.start[t - 1];
   for (int k = 0; k < system.size; ++k) {
     for (const RowSegment& segment : system.row[k].segment) {
-      if (segment.tree >= 0) by.contact[by.start[segment.tree + 1]++] = k;
+      if (segment.tree >= 0) by.contact[by.start[mobility.Group(segment.tree) + 1]++] = k;
     }
   }
   return by;
@@ -72,10 +98,12 @@ ByTree SortByTree(const mjModel* m, const IslandSystem& system, Scratch& scratch
 
 // Calls visit(l) once for every contact l that shares a tree with contact k, itself included.
 template <typename Visit>
-void ForNeighbours(const IslandSystem& system, const ByTree& by, int k, int* seen, Visit visit) {
+void ForNeighbours(const Mobility& mobility, const IslandSystem& system, const ByTree& by, int k,
+                   int* seen, Visit visit) {
   for (const RowSegment& segment : system.row[k].segment) {
     if (segment.tree < 0) continue;
-    for (int a = by.start[segment.tree]; a < by.start[segment.tree + 1]; ++a) {
+    const int group = mobility.Group(segment.tree);
+    for (int a = by.start[group]; a < by.start[group + 1]; ++a) {
       const int l = by.contact[a];
       if (seen[l] == k) continue;
       seen[l] = k;
@@ -84,16 +112,17 @@ void ForNeighbours(const IslandSystem& system, const ByTree& by, int k, int* see
   }
 }
 
-law::DelassusMatrix BuildDelassus(const mjModel* m, const IslandSystem& system, Scratch& scratch) {
+void BuildDelassus(const mjModel* m, const Mobility& mobility,
+                   IslandSystem& system, Scratch& scratch) {
   const int n = system.size;
-  const ByTree by = SortByTree(m, system, scratch);
+  const ByTree by = SortByTree(m, mobility, system, scratch);
   int* seen = scratch.Take<int>(n);
   int* row_start = scratch.Take<int>(n + 1);
   std::fill_n(seen, n, -1);
   row_start[0] = 0;
   for (int k = 0; k < n; ++k) {
     row_start[k + 1] = row_start[k];
-    ForNeighbours(system, by, k, seen, [&](int) { ++row_start[k + 1]; });
+    ForNeighbours(mobility, system, by, k, seen, [&](int) { ++row_start[k + 1]; });
   }
   int* column = scratch.Take<int>(row_start[n]);
   mjtNum* value = scratch.Take<mjtNum>(row_start[n]);
@@ -101,20 +130,21 @@ law::DelassusMatrix BuildDelassus(const mjModel* m, const IslandSystem& system, 
   std::fill_n(seen, n, -1);
   for (int k = 0; k < n; ++k) {
     int a = row_start[k];
-    ForNeighbours(system, by, k, seen, [&](int l) {
+    ForNeighbours(mobility, system, by, k, seen, [&](int l) {
       column[a] = l;
       value[a] = Couple(m, system.row[k], system.row[l]);
       if (l == k) diagonal[k] = value[a];
       ++a;
     });
   }
-  return {n, row_start, column, value, diagonal};
+  system.delassus = {n, row_start, column, value, diagonal};
+  if (mobility.ties() > 0) AddTies(mobility, system, value, diagonal, scratch);
 }
 
 }  // namespace
 
-size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts, const int* position,
-                   int count, Scratch& scratch) {
+size_t IslandBytes(const mjModel* m, const mjData* d, const Mobility& mobility,
+                   const Gathered& contacts, const int* position, int count, Scratch& scratch) {
   // a contact couples with every contact of its trees
   int* on_tree = scratch.Take<int>(m->ntree);
   std::fill_n(on_tree, m->ntree, 0);
@@ -123,17 +153,19 @@ size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts, 
     for (const int tree : TreesOf(m, d->contact[contacts.contact[position[i]]]).tree) {
       if (tree < 0) continue;
       dofs += m->tree_dofnum[tree];
-      couples += 2 * on_tree[tree]++ + 1;
+      couples += 2 * on_tree[mobility.Group(tree)]++ + 1;
     }
   }
   // of the Delassus matrix, the laws and the resolution
   constexpr size_t kPerContact = 768;
-  return count * (sizeof(ContactRow) + kPerContact) + couples * (sizeof(mjtNum) + sizeof(int)) +
+  const size_t ties = static_cast<size_t>(mobility.ties()) * (count + 1) * sizeof(mjtNum);
+  return ties + count * (sizeof(ContactRow) + kPerContact) + couples * (sizeof(mjtNum) + sizeof(int)) +
          (2 * dofs + m->nv) * sizeof(mjtNum) + 4 * m->ntree * sizeof(int);
 }
 
-IslandSystem BuildIsland(const mjModel* m, const mjData* d, Gathered& contacts, const int* position,
-                         int count, const Motion& motion, mjtNum tau, Scratch& scratch) {
+IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobility,
+                         Gathered& contacts, const int* position, int count, const Motion& motion,
+                         mjtNum tau, Scratch& scratch) {
   IslandSystem system{count, scratch.Take<ContactRow>(count), {}};
   for (int k = 0; k < count; ++k) {
     const int i = position[k];
@@ -145,7 +177,7 @@ IslandSystem BuildIsland(const mjModel* m, const mjData* d, Gathered& contacts, 
                                         {}};
     FillRow(m, d, motion, tau, *row, scratch);
   }
-  system.delassus = BuildDelassus(m, system, scratch);
+  BuildDelassus(m, mobility, system, scratch);
   return system;
 }
 
@@ -169,6 +201,19 @@ void SolveSegments(const mjModel* m, const mjData* d, const RowSegment segment[2
 
 mjtNum RowTimes(const mjModel* m, const ContactRow& row, const mjtNum* x) {
   return SegmentsTimes(m, row.segment, x);
+}
+
+void AddAnswer(const mjModel* m, const Mobility& mobility, const ContactRow& row, mjtNum s,
+               mjtNum* x, Scratch& scratch) {
+  mjtNum* answer = mobility.ties() > 0 ? scratch.Zeros(m->nv) : x;
+  for (const RowSegment& segment : row.segment) {
+    if (segment.tree < 0) continue;
+    mju_addToScl(answer + m->tree_dofadr[segment.tree], segment.inverse_inertia, s,
+                 m->tree_dofnum[segment.tree]);
+  }
+  if (mobility.ties() == 0) return;
+  mobility.Tie(answer);
+  mju_addTo(x, answer, m->nv);
 }
 
 void AddRowTransposed(const mjModel* m, const ContactRow& row, mjtNum s, mjtNum* x) {

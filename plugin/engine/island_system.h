@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contacts of one island as rows of a Jacobian, and their Delassus matrix W = J M⁻¹ Jᵀ.
+// The contacts of one island as rows of a Jacobian, and their Delassus matrix W = J M̃⁻¹ Jᵀ.
 //
 // A row has at most two segments, one per kinematic tree that the contact joins, so W couples only
-// contacts that share a tree (a row of balls gives a tridiagonal W) and no row is ever as long as
-// the model. Rows are taken at the time of impact: n(τ)ᵀ (J + τ J̇).
+// contacts that share a tree, or tied ones (a row of balls gives a tridiagonal W), and no row is ever
+// as long as the model. Rows are taken at the time of impact: n(τ)ᵀ (J + τ J̇).
 
 #ifndef MUJOCO_IMPACT_ENGINE_ISLAND_SYSTEM_H_
 #define MUJOCO_IMPACT_ENGINE_ISLAND_SYSTEM_H_
@@ -12,6 +12,7 @@
 
 #include "engine/contact_path.h"
 #include "engine/gather.h"
+#include "engine/mobility.h"
 #include "engine/motion.h"
 #include "engine/scratch.h"
 #include "law/impact_problem.h"
@@ -40,12 +41,13 @@ struct IslandSystem {
 };
 
 // Bytes of scratch that the island of the contacts at these positions takes.
-size_t IslandBytes(const mjModel* m, const mjData* d, const Gathered& contacts, const int* position,
-                   int count, Scratch& scratch);
+size_t IslandBytes(const mjModel* m, const mjData* d, const Mobility& mobility,
+                   const Gathered& contacts, const int* position, int count, Scratch& scratch);
 
 // Builds the rows at time τ on the path of `motion`.
-IslandSystem BuildIsland(const mjModel* m, const mjData* d, Gathered& contacts, const int* position,
-                         int count, const Motion& motion, mjtNum tau, Scratch& scratch);
+IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobility,
+                         Gathered& contacts, const int* position, int count, const Motion& motion,
+                         mjtNum tau, Scratch& scratch);
 
 // J x of two segments for a vector of all degrees of freedom.
 mjtNum SegmentsTimes(const mjModel* m, const RowSegment segment[2], const mjtNum* x);
@@ -55,6 +57,10 @@ void SolveSegments(const mjModel* m, const mjData* d, const RowSegment segment[2
 
 // J_k x for a vector of all degrees of freedom.
 mjtNum RowTimes(const mjModel* m, const ContactRow& row, const mjtNum* x);
+
+// x += M̃⁻¹ J_kᵀ s
+void AddAnswer(const mjModel* m, const Mobility& mobility, const ContactRow& row, mjtNum s,
+               mjtNum* x, Scratch& scratch);
 
 // x += J_kᵀ s
 void AddRowTransposed(const mjModel* m, const ContactRow& row, mjtNum s, mjtNum* x);

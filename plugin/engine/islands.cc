@@ -21,9 +21,13 @@ ContactTrees TreesOf(const mjModel* m, const mjContact& contact) {
            m->body_treeid[m->geom_bodyid[contact.geom[1]]]}};
 }
 
-Islands FindIslands(const mjModel* m, const mjData* d, const int* contacts, const bool* due,
-                    const bool* near, int count, Scratch& scratch) {
+Islands FindIslands(const mjModel* m, const mjData* d, const Mobility& mobility,
+                    const int* contacts, const bool* due, const bool* near, int count,
+                    Scratch& scratch) {
   TreeSets sets(m->ntree, scratch);
+  if (mobility.ties() > 0) {
+    for (int tree = 0; tree < m->ntree; ++tree) sets.Join(tree, mobility.Group(tree));
+  }
   for (int i = 0; i < count; ++i) {
     if (!near[i]) continue;
     const ContactTrees trees = TreesOf(m, d->contact[contacts[i]]);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Groups contacts into islands: contacts that share a moving kinematic tree, directly or through
-// other contacts. Only islands in which something closes are of interest.
+// other contacts or ties. Only islands in which something closes are of interest.
 
 #ifndef MUJOCO_IMPACT_ENGINE_ISLANDS_H_
 #define MUJOCO_IMPACT_ENGINE_ISLANDS_H_
 
 #include <mujoco/mujoco.h>
 
+#include "engine/mobility.h"
 #include "engine/scratch.h"
 
 namespace mujoco_impact::engine {
@@ -27,8 +28,9 @@ struct Islands {
 
 // `contacts` are indices into mjData.contact, `due[i]` says whether contacts[i] closes in this
 // step, `near[i]` whether it takes part at all.
-Islands FindIslands(const mjModel* m, const mjData* d, const int* contacts, const bool* due,
-                    const bool* near, int count, Scratch& scratch);
+Islands FindIslands(const mjModel* m, const mjData* d, const Mobility& mobility,
+                    const int* contacts, const bool* due, const bool* near, int count,
+                    Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

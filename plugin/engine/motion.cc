@@ -22,7 +22,7 @@ void AddAppliedForces(const mjModel* m, mjData* d, mjtNum* force) {
 
 double ImpulseLag(const mjModel* m) { return m->opt.integrator == mjINT_RK4 ? 0.5 : 0; }
 
-Motion PredictMotion(const mjModel* m, mjData* d, Scratch& scratch) {
+Motion PredictMotion(const mjModel* m, mjData* d, const Mobility& mobility, Scratch& scratch) {
   const int nv = m->nv;
   Motion motion{scratch.Take<mjtNum>(nv), scratch.Take<mjtNum>(nv), scratch.Take<mjtNum>(nv)};
   // zeros: MuJoCo leaves out what sleeps
@@ -35,12 +35,13 @@ Motion PredictMotion(const mjModel* m, mjData* d, Scratch& scratch) {
     mj_fwdActuation(m, d);
     mju_addTo(force, d->qfrc_actuator, nv);
   }
-  SolveInertia(m, d, motion.acceleration, force);
+  mobility.Solve(motion.acceleration, force);
+  mobility.AddReference(motion.acceleration);
   const mjtNum lead = m->opt.integrator == mjINT_RK4 ? 0 : 0.5 * m->opt.timestep;
   mju_addScl(motion.velocity, d->qvel, motion.acceleration, lead, nv);
   mju_zero(force, nv);
   AddWeightGradient(m, d, motion.velocity, force);
-  SolveInertia(m, d, motion.jerk, force);
+  mobility.Solve(motion.jerk, force);
   return motion;
 }
 

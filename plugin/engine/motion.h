@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the scene would move through the step if no contact closed.
 //
-//   a = M⁻¹ (forces − bias)        free acceleration: gravity, springs, dampers, actuators, applied
+//   a = M⁻¹ (forces − bias)        free acceleration: gravity, springs, dampers, actuators, applied;
+//                                  M̃⁻¹ and the pull of equality constraints (mobility.h)
 //   V = v + h/2 a                  Euler, implicit, implicitfast, discrete
 //   V = v                          RK4
 //   b = M⁻¹ (∂Q/∂q) V              its rate, as far as gravity and joint springs make it
@@ -15,6 +16,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include "engine/mobility.h"
 #include "engine/scratch.h"
 
 namespace mujoco_impact::engine {
@@ -29,7 +31,7 @@ struct Motion {
 // (0 at the start, 1/2 for Runge-Kutta, which spreads it).
 double ImpulseLag(const mjModel* m);
 
-Motion PredictMotion(const mjModel* m, mjData* d, Scratch& scratch);
+Motion PredictMotion(const mjModel* m, mjData* d, const Mobility& mobility, Scratch& scratch);
 
 // V + a τ + b τ²/2
 void VelocityOnPath(const mjModel* m, const Motion& motion, mjtNum tau, mjtNum* velocity);

@@ -4,16 +4,16 @@
 
 namespace mujoco_impact::engine {
 
-Outlook LookAhead(const mjModel* m, mjData* d, const Delivery& delivery, bool pulses,
-                  Scratch& scratch) {
-  Outlook outlook{0, PredictMotion(m, d, scratch), nullptr, nullptr};
+Outlook LookAhead(const mjModel* m, mjData* d, const Mobility& mobility, const Delivery& delivery,
+                  bool pulses, Scratch& scratch) {
+  Outlook outlook{0, PredictMotion(m, d, mobility, scratch), nullptr, nullptr};
   if (!pulses) return outlook;
   outlook.bend = scratch.Take<mjtNum>(m->nv);
   outlook.arrears = scratch.Take<mjtNum>(m->nv);
-  SolveInertia(m, d, outlook.bend, delivery.impulse);
+  mobility.Solve(outlook.bend, delivery.impulse);
   mju_scl(outlook.bend, outlook.bend, 1 / m->opt.timestep, m->nv);
   mju_addTo(outlook.motion.acceleration, outlook.bend, m->nv);
-  SolveInertia(m, d, outlook.arrears, delivery.remaining);
+  mobility.Solve(outlook.arrears, delivery.remaining);
   return outlook;
 }
 
@@ -26,9 +26,11 @@ mjtNum* SettledVelocity(const mjModel* m, const Outlook& outlook, mjtNum tau, Sc
   return velocity;
 }
 
-BodiesInStep::BodiesInStep(const mjModel* m, mjData* d, const Motion& motion, Scratch& scratch)
+BodiesInStep::BodiesInStep(const mjModel* m, mjData* d, const Mobility& mobility,
+                           const Motion& motion, Scratch& scratch)
     : m_(m),
       d_(d),
+      mobility_(mobility),
       motion_(motion),
       qpos_(scratch.Take<mjtNum>(m->nq)),
       qvel_(scratch.Take<mjtNum>(m->nv)),
@@ -50,20 +52,20 @@ Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery) {
   const auto gradient = [&](const mjtNum* kick, mjtNum* result) {
     mju_zero(work_, nv);
     AddWeightGradient(m_, d_, kick, work_);
-    SolveInertia(m_, d_, result, work_);
+    mobility_.Solve(result, work_);
   };
   mjtNum *v = moved_.velocity, *a = moved_.acceleration, *b = moved_.jerk;
-  SolveInertia(m_, d_, kick_, delivery.impulse);
+  mobility_.Solve(kick_, delivery.impulse);
   gradient(kick_, b);
   mju_scl(work_, delivery.impulse, t, nv);
   mju_subFrom(work_, delivery.moment, nv);
-  SolveInertia(m_, d_, displacement_, work_);
+  mobility_.Solve(displacement_, work_);
   gradient(displacement_, a);
   for (int i = 0; i < nv; ++i) {
     work_[i] =
         0.5 * t * t * delivery.impulse[i] - t * delivery.moment[i] + 0.5 * delivery.second[i];
   }
-  SolveInertia(m_, d_, v, work_);
+  mobility_.Solve(v, work_);
   gradient(v, v);
   for (int i = 0; i < nv; ++i) {
     const mjtNum V = motion_.velocity[i], A = motion_.acceleration[i], B = motion_.jerk[i];

@@ -29,8 +29,8 @@ struct Outlook {
 };
 
 // From the start of the step; `pulses` says whether any is under way.
-Outlook LookAhead(const mjModel* m, mjData* d, const Delivery& delivery, bool pulses,
-                  Scratch& scratch);
+Outlook LookAhead(const mjModel* m, mjData* d, const Mobility& mobility, const Delivery& delivery,
+                  bool pulses, Scratch& scratch);
 
 // Velocity at τ, every pulse under way delivered: impacts are decided on the velocity the bodies
 // will have, or a body struck in the middle of a long pulse would get too small a share (nv).
@@ -39,7 +39,8 @@ mjtNum* SettledVelocity(const mjModel* m, const Outlook& outlook, mjtNum tau, Sc
 // The bodies at times within the step. They are put back where they were when it ends.
 class BodiesInStep {
  public:
-  BodiesInStep(const mjModel* m, mjData* d, const Motion& motion, Scratch& scratch);
+  BodiesInStep(const mjModel* m, mjData* d, const Mobility& mobility, const Motion& motion,
+               Scratch& scratch);
   ~BodiesInStep();
   BodiesInStep(const BodiesInStep&) = delete;
   BodiesInStep& operator=(const BodiesInStep&) = delete;
@@ -52,6 +53,7 @@ class BodiesInStep {
 
   const mjModel* m_;
   mjData* d_;
+  const Mobility& mobility_;
   const Motion& motion_;
   mjtNum *qpos_, *qvel_;  // at the start of the step
   Motion moved_;

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "engine/line_of_action.h"
-#include "engine/motion.h"
 #include "engine/point.h"
 #include "engine/tree_sets.h"
 
@@ -41,8 +40,10 @@ int MovingTree(const mjModel* m, const Pulse& pulse) {
   return first >= 0 ? first : TreeOf(m, pulse, 1);
 }
 
-TreeSets JoinedByPulses(const mjModel* m, State& state, Scratch& scratch) {
+TreeSets JoinedByPulses(const mjModel* m, const Mobility& mobility, State& state,
+                        Scratch& scratch) {
   TreeSets sets(m->ntree, scratch);
+  for (int tree = 0; tree < m->ntree; ++tree) sets.Join(tree, mobility.Group(tree));
   ForPulsesUnderWay(state, [&](const Pulse& pulse) {
     const int first = TreeOf(m, pulse, 0), second = TreeOf(m, pulse, 1);
     if (first >= 0 && second >= 0) sets.Join(first, second);
@@ -75,7 +76,8 @@ mjtNum ScaleOf(const Balance& balance, mjtNum restitution) {
 
 }  // namespace
 
-void FollowLines(const mjModel* m, mjData* d, State& state, Scratch& scratch) {
+void FollowLines(const mjModel* m, const mjData* d, const Mobility& mobility, State& state,
+                 Scratch& scratch) {
   const Impulses impulses{scratch.Zeros(m->nv), scratch.Zeros(m->nv)};
   ForPulsesUnderWay(state, [&](Pulse& pulse) {
     const mjtNum remaining = pulse.scale * pulse.impulse * (1 - pulse.delivered);
@@ -84,10 +86,10 @@ void FollowLines(const mjModel* m, mjData* d, State& state, Scratch& scratch) {
     AddPulseRow(m, d, pulse, pulse.line_next, remaining, impulses.now);
   });
   const Impulses changes{scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv)};
-  SolveInertia(m, d, changes.before, impulses.before);
-  SolveInertia(m, d, changes.now, impulses.now);
+  mobility.Solve(changes.before, impulses.before);
+  mobility.Solve(changes.now, impulses.now);
 
-  TreeSets sets = JoinedByPulses(m, state, scratch);
+  TreeSets sets = JoinedByPulses(m, mobility, state, scratch);
   Balance* balances = scratch.Take<Balance>(m->ntree);
   std::fill_n(balances, m->ntree, Balance{});
   for (int tree = 0; tree < m->ntree; ++tree) {

@@ -21,6 +21,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include "engine/mobility.h"
 #include "engine/scratch.h"
 #include "engine/state.h"
 
@@ -28,7 +29,8 @@ namespace mujoco_impact::engine {
 
 // Finds the lines of this step of all pulses under way and scales what they have yet to deliver.
 // Both are left pending in the pulses.
-void FollowLines(const mjModel* m, mjData* d, State& state, Scratch& scratch);
+void FollowLines(const mjModel* m, const mjData* d, const Mobility& mobility, State& state,
+                 Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

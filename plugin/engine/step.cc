@@ -5,6 +5,7 @@
 #include "engine/deliver.h"
 #include "engine/gather.h"
 #include "engine/impacts.h"
+#include "engine/mobility.h"
 #include "engine/runge_kutta.h"
 #include "engine/scratch.h"
 #include "engine/sensor.h"
@@ -45,10 +46,11 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
         "wait; raise <size memory=\"...\"/> in the model");
     return;
   }
+  const Mobility mobility(m, d, scratch);
   Delivery delivery = MakeDelivery(m, scratch);
-  if (pulses) DeliverActive(m, d, state, delivery, scratch);
-  if (closing) ResolveImpacts(m, d, instance, state, delivery, scratch);
-  Apply(m, d, state, delivery, scratch);
+  if (pulses) DeliverActive(m, d, mobility, state, delivery, scratch);
+  if (closing) ResolveImpacts(m, d, instance, mobility, state, delivery, scratch);
+  Apply(m, d, mobility, state, delivery, scratch);
   ComputeSensors(m, d, instance, true);
 }
 

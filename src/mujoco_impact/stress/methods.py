@@ -27,10 +27,22 @@ LEAST_DEPTH, MOST_DEPTH = 0.01, 0.5
 """Depth of the owned geoms over the smallest radius, as `attach` bounds it."""
 
 
-def model_of(method: str, case: Case, xml: str, balls: Balls) -> mujoco.MjModel:
-    """Returns the model of a case under a method."""
+def model_of(
+    method: str, case: Case, xml: str, balls: Balls, *, tolerance: float | None = None
+) -> mujoco.MjModel:
+    """Returns the model of a case under a method.
+
+    Args:
+        method: Of `METHODS`.
+        case: The case.
+        xml: Its scene.
+        balls: Its balls, or an image of them.
+        tolerance: Of our impact law; None for the default.
+    """
     spec = mujoco.MjSpec.from_string(xml)
-    return _BUILDERS[method](spec, case, balls).compile()
+    if method == OURS:
+        return _ours(spec, case, balls, tolerance).compile()
+    return _BUILDERS[method](spec, case).compile()
 
 
 def depth_of(case: Case, balls: Balls) -> float:
@@ -51,7 +63,9 @@ def gap_of(case: Case, balls: Balls) -> float:
     return max(travel, 0.5 * float(balls.radius.min()))
 
 
-def _ours(spec: mujoco.MjSpec, case: Case, balls: Balls) -> mujoco.MjSpec:
+def _ours(
+    spec: mujoco.MjSpec, case: Case, balls: Balls, tolerance: float | None
+) -> mujoco.MjSpec:
     """The plugin, in two instances if the case asks for it."""
     settings: dict[str, Any] = {
         "gap": gap_of(case, balls),
@@ -62,6 +76,8 @@ def _ours(spec: mujoco.MjSpec, case: Case, balls: Balls) -> mujoco.MjSpec:
     }
     if case.duration is not None:
         settings["duration"] = case.duration
+    if tolerance is not None:
+        settings["tolerance"] = tolerance
     names = [geom.name for geom in spec.geoms]
     if "two instances" not in case.features:
         return attach(spec, geoms=names, **settings)
@@ -70,18 +86,17 @@ def _ours(spec: mujoco.MjSpec, case: Case, balls: Balls) -> mujoco.MjSpec:
     return attach(first, geoms=names[half:], name="second", **settings)
 
 
-def _defaults(spec: mujoco.MjSpec, _case: Case, _balls: Balls) -> mujoco.MjSpec:
+def _defaults(spec: mujoco.MjSpec, _case: Case) -> mujoco.MjSpec:
     """MuJoCo's contacts as they come."""
     return spec
 
 
-def _tuned(spec: mujoco.MjSpec, case: Case, _balls: Balls) -> mujoco.MjSpec:
+def _tuned(spec: mujoco.MjSpec, case: Case) -> mujoco.MjSpec:
     """The best setting known that holds for any impact speed."""
     return damper(spec, case.timestep, case.restitution).spec
 
 
-_BUILDERS: dict[str, Callable[[mujoco.MjSpec, Case, Balls], mujoco.MjSpec]] = {
-    OURS: _ours,
+_BUILDERS: dict[str, Callable[[mujoco.MjSpec, Case], mujoco.MjSpec]] = {
     DEFAULTS: _defaults,
     TUNED: _tuned,
 }

@@ -49,7 +49,12 @@ class Record:
 
 
 def record(
-    case: Case, balls: Balls, method: str = OURS, *, contacts: bool = True
+    case: Case,
+    balls: Balls,
+    method: str = OURS,
+    *,
+    contacts: bool = True,
+    tolerance: float | None = None,
 ) -> Record:
     """Runs a case once.
 
@@ -58,8 +63,9 @@ def record(
         balls: Its balls, or an image of them.
         method: Of `METHODS`.
         contacts: Whether balls meet at all.
+        tolerance: Of our impact law; None for the default.
     """
-    model = model_of(method, case, mjcf(case, balls), balls)
+    model = model_of(method, case, mjcf(case, balls), balls, tolerance=tolerance)
     return run_model(model, case, balls, contacts=contacts)
 
 
