@@ -2,6 +2,8 @@
 
 #include "engine/runge_kutta.h"
 
+#include "engine/ownership.h"
+
 namespace mujoco_impact::engine {
 
 namespace {
@@ -12,6 +14,31 @@ mjtNum Fingerprint(const mjModel* m, const mjData* d) {
   for (int i = 0; i < m->nq; ++i) sum += (i + 1) * d->qpos[i];
   for (int i = 0; i < m->nv; ++i) sum -= (i + 1) * d->qvel[i];
   return sum;
+}
+
+// Whether the contact would be the plugin's if its bodies overlapped less.
+bool IsTakenOver(const Ownership& ownership, const mjContact& contact) {
+  return contact.efc_address >= 0 && contact.includemargin < 0 && contact.geom[0] >= 0 &&
+         contact.geom[1] >= 0 && ownership.Owns(contact);
+}
+
+// Geoms of others count as held: what matters is the body of ours.
+bool IsCarried(const Ownership& ownership, State& state, int geom) {
+  const int index = ownership.Index(geom);
+  return index < 0 || state.record(index).carried != 0;
+}
+
+// Makes the solver see the contact as open, however fast it closes: a_ref = −k d (pos − margin).
+void Silence(mjData* d, int contact) {
+  constexpr mjtNum kOpening = 1e15;  // beyond any acceleration of a sane state [m/s²]
+  const int begin = d->contact[contact].efc_address, type = d->efc_type[begin];
+  for (int i = begin; i < d->nefc && d->efc_type[i] == type && d->efc_id[i] == contact; ++i) {
+    d->efc_pos[i] = d->efc_margin[i] + 1;
+    mjtNum* KBI = d->efc_KBIP + 4 * i;
+    KBI[0] = kOpening;
+    KBI[1] = 0;
+    KBI[2] = 1;
+  }
 }
 
 }  // namespace
@@ -33,9 +60,31 @@ void OpenStage(const mjModel* m, const mjData* d, State& state) {
   header.later_stages = 0;
 }
 
-void ApplyHeldForce(const mjModel* m, mjData* d, State& state) {
+void NoteCarried(const mjModel* m, const mjData* d, int instance, State& state) {
+  if (m->opt.integrator != mjINT_RK4) return;
+  const Ownership ownership(m, instance);
+  for (int i = 0; i < state.capacity(); ++i) state.record(i).carried = 0;
+  for (int i = 0; i < d->ncon; ++i) {
+    if (!IsTakenOver(ownership, d->contact[i])) continue;
+    for (const int geom : d->contact[i].geom) {
+      const int index = ownership.Index(geom);
+      if (index >= 0) state.record(index).carried = 1;
+    }
+  }
+}
+
+void ApplyHeldForce(const mjModel* m, mjData* d, int instance, State& state) {
   state.header().later_stages = 1;
-  if (state.header().pending != 0) mju_addTo(d->qfrc_passive, state.held_force(), m->nv);
+  if (state.header().pending == 0) return;
+  mju_addTo(d->qfrc_passive, state.held_force(), m->nv);
+  const Ownership ownership(m, instance);
+  for (int i = 0; i < d->ncon; ++i) {
+    const mjContact& contact = d->contact[i];
+    if (!IsTakenOver(ownership, contact)) continue;
+    const bool real = IsCarried(ownership, state, contact.geom[0]) &&
+                      IsCarried(ownership, state, contact.geom[1]);
+    if (!real) Silence(d, i);
+  }
 }
 
 }  // namespace mujoco_impact::engine

@@ -54,6 +54,7 @@ struct GeomRecord {
   double peak;     // H [N]
   double alpha;    // [-]
   double count;    // impacts since reset
+  double carried;  // 1: one of MuJoCo's contacts holds it at the start of the step (runge_kutta.h)
 };
 
 struct Header {

@@ -29,7 +29,7 @@ size_t StepBytes(const mjModel* m, const mjData* d) {
 void ComputeStep(const mjModel* m, mjData* d, int instance) {
   State state(m, d, instance);
   if (IsLaterStage(m, d, state)) {
-    ApplyHeldForce(m, d, state);
+    ApplyHeldForce(m, d, instance, state);
     return;
   }
   if (state.header().active > 0 || state.header().pending != 0) state.ResetUnlessSound(m, instance);
@@ -51,6 +51,7 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   if (pulses) DeliverActive(m, d, mobility, state, delivery, scratch);
   if (closing) ResolveImpacts(m, d, instance, mobility, state, delivery, scratch);
   Apply(m, d, mobility, state, delivery, scratch);
+  NoteCarried(m, d, instance, state);
   ComputeSensors(m, d, instance, true);
 }
 

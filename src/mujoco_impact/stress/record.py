@@ -91,7 +91,7 @@ def run_model(
             mujoco.mj_step(model, data)
             qpos[step + 1], qvel[step + 1] = data.qpos, data.qvel
             # a step finds the contacts of the state that it starts from
-            if data.nefc and np.any(data.contact.efc_address >= 0):
+            if _is_pushing(data):
                 busy[step] = busy[step + 1] = native = True
             pulses.poll()
             for impact in pulses.impacts[seen:]:
@@ -113,6 +113,14 @@ def run_model(
         warnings=tuple(messages),
         bits=bits,
     )
+
+
+def _is_pushing(data: mujoco.MjData) -> bool:
+    """Whether a contact of MuJoCo exerts a force."""
+    if not data.nefc:
+        return False
+    address = data.contact.efc_address
+    return bool(np.any(data.efc_force[address[address >= 0]]))
 
 
 def _energies_of(
