@@ -116,8 +116,9 @@ void Resolver::AddImpact(const ContactRow& row, const Impact& impact) {
   AddRowTransposed(m_, row, SecondMoment(share), delivery_.second);
   const mjtNum rest = impact.impulse - share.impulse;
   owes_ = owes_ || rest > 0;
-  AddAnswer(m_, mobility_, row, share.impulse, kicked_.velocity, scratch_);
-  AddAnswer(m_, mobility_, row, rest, owed_, scratch_);
+  Scratch scratch(d_);
+  AddAnswer(m_, mobility_, row, share.impulse, kicked_.velocity, scratch);
+  AddAnswer(m_, mobility_, row, rest, owed_, scratch);
   ForStruck(row, [this](int tree) { mark_[tree] = kStruck; });
 }
 
@@ -166,7 +167,7 @@ void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
     }
     if (impacts[k].impulse <= 0) continue;
     AddImpact(system.row[k], impacts[k]);
-    end = std::max(end, impacts[k].moment / impacts[k].impulse);
+    end = std::max(end, impacts[k].onset + impacts[k].duration);
   }
   round_end_ = std::min(round_end_, end);
   for (int k = 0; k < count; ++k) {

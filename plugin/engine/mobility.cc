@@ -2,6 +2,9 @@
 
 #include "engine/mobility.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "engine/motion.h"
 #include "engine/tree_sets.h"
 
@@ -21,8 +24,45 @@ void CopyRow(const mjModel* m, const mjData* d, int i, mjtNum* row) {
   }
 }
 
+// How soft a tie is: R over A_ii, and a_ref = −damping (J v) − stiffness (pos − margin).
+struct Softness {
+  mjtNum regularization, stiffness, damping;
+};
+
+// The impedance d by solimp, at the violation of the constraint.
+mjtNum Impedance(const mjtNum* solimp, mjtNum violation) {
+  const mjtNum x = std::min<mjtNum>(1, std::abs(violation) / std::max(mjMINVAL, solimp[2]));
+  const mjtNum midpoint = solimp[3], power = solimp[4];
+  // y = x^p / m^(p−1) up to the midpoint m, and the same turned by half a circle above
+  const mjtNum y = x <= midpoint
+                       ? std::pow(x, power) / std::pow(midpoint, power - 1)
+                       : 1 - std::pow(1 - x, power) / std::pow(1 - midpoint, power - 1);
+  return std::clamp<mjtNum>(solimp[0] + y * (solimp[1] - solimp[0]), mjMINIMP, mjMAXIMP);
+}
+
+// The integrator `discrete` makes them only after the passive forces.
+Softness SoftnessBySolver(const mjModel* m, const mjData* d, int i) {
+  const mjtNum* solimp = m->eq_solimp + mjNIMP * d->efc_id[i];
+  const mjtNum* solref = m->eq_solref + mjNREF * d->efc_id[i];
+  const mjtNum impedance = Impedance(solimp, d->efc_pos[i] - d->efc_margin[i]);
+  const mjtNum most = std::clamp<mjtNum>(solimp[1], mjMINIMP, mjMAXIMP);
+  const mjtNum regularization = (1 - impedance) / impedance;
+  if (solref[0] <= 0) {
+    return {regularization, -solref[0] / (most * most) * impedance, -solref[1] / most};
+  }
+  const mjtNum time = std::max(solref[0], 2 * m->opt.timestep), ratio = solref[1];
+  return {regularization, impedance / (most * most * time * time * ratio * ratio),
+          2 / (most * time)};
+}
+
+Softness SoftnessOf(const mjModel* m, const mjData* d, int i, mjtNum A) {
+  if (d->efc_R[i] <= 0) return SoftnessBySolver(m, d, i);
+  const mjtNum* KBI = d->efc_KBIP + 4 * i;
+  return {d->efc_R[i] / A, KBI[0] * KBI[2], KBI[1]};
+}
+
 size_t TieBytes(const mjModel* m, int ties) {
-  const size_t numbers = 2 * m->nv + ties + 2;
+  const size_t numbers = 2 * m->nv + ties + 3;
   return ties * numbers * sizeof(mjtNum) + 2 * m->ntree * sizeof(int);
 }
 
@@ -42,6 +82,7 @@ Mobility::Mobility(const mjModel* m, mjData* d, Scratch& scratch) : m_(m), d_(d)
   rows_ = scratch.Take<mjtNum>(ties_ * nv);
   answer_ = scratch.Take<mjtNum>(ties_ * nv);
   factor_ = scratch.Take<mjtNum>(ties_ * ties_);
+  reference_ = scratch.Take<mjtNum>(ties_);
   work_ = scratch.Take<mjtNum>(2 * ties_);
   for (int i = 0; i < ties_; ++i) {
     CopyRow(m, d, i, rows_ + i * nv);
@@ -49,7 +90,13 @@ Mobility::Mobility(const mjModel* m, mjData* d, Scratch& scratch) : m_(m), d_(d)
   }
   // A + R
   mju_mulMatMatT(factor_, rows_, answer_, ties_, nv, ties_);
-  for (int i = 0; i < ties_; ++i) factor_[i * (ties_ + 1)] += d->efc_R[i];
+  for (int i = 0; i < ties_; ++i) {
+    mjtNum& A = factor_[i * (ties_ + 1)];
+    const Softness softness = SoftnessOf(m, d, i, A);
+    reference_[i] = -softness.damping * mju_dot(rows_ + i * nv, d->qvel, nv) -
+                    softness.stiffness * (d->efc_pos[i] - d->efc_margin[i]);
+    A += softness.regularization * A;
+  }
   mju_cholFactor(factor_, ties_, mjMINVAL);
   FindGroups(scratch);
 }
@@ -84,14 +131,8 @@ void Mobility::Tie(mjtNum* x) const {
 
 void Mobility::AddReference(mjtNum* a) const {
   if (ties_ == 0) return;
-  mjtNum *reference = work_, *force = work_ + ties_;
-  mju_mulMatVec(reference, rows_, d_->qvel, ties_, m_->nv);
-  for (int i = 0; i < ties_; ++i) {
-    // a_ref = −b (J v) − k d (pos − margin)
-    const mjtNum *KBI = d_->efc_KBIP + 4 * i, pos = d_->efc_pos[i] - d_->efc_margin[i];
-    reference[i] = -KBI[1] * reference[i] - KBI[0] * KBI[2] * pos;
-  }
-  SolveTies(force, reference);
+  mjtNum* force = work_;
+  SolveTies(force, reference_);
   for (int i = 0; i < ties_; ++i) mju_addToScl(a, answer_ + i * m_->nv, force[i], m_->nv);
 }
 

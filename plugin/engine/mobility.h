@@ -57,6 +57,7 @@ class Mobility {
   mjtNum* rows_ = nullptr;    // J (ties × nv)
   mjtNum* answer_ = nullptr;  // J M⁻¹ (ties × nv)
   mjtNum* factor_ = nullptr;  // of A + R (ties × ties)
+  mjtNum* reference_ = nullptr;  // a_ref (ties)
   mjtNum* work_ = nullptr;    // (2 ties)
   int* group_ = nullptr;      // (ntree)
 };

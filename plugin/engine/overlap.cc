@@ -18,13 +18,11 @@ constexpr mjtNum kOfDepth = 0.6;
 // Of 1/(1/R₁ + 1/R₂): beyond, a contact is no longer one at a point.
 constexpr mjtNum kOfRadius = 0.5;
 
-mjtNum DepthOf(const ContactRow& row) { return -kOfDepth * row.contact->includemargin; }
-
-// How deep a contact may press. What does not expand again, (1 − e²) y, is a dent that stays.
-mjtNum DeepestCompression(const mjModel* m, const Config& config, const ContactRow& row) {
-  const mjtNum deepest = kOfRadius / ContactCurvature(m, *row.contact), e = config.restitution;
-  if (config.dissipation != law::Dissipation::kBistiffness || e >= 1) return deepest;
-  return std::min(deepest, DepthOf(row) / (1 - e * e));
+// How much deeper than at the onset bodies may come. The nearer to M they are, the less.
+mjtNum RoomOf(const ContactRow& row) {
+  constexpr mjtNum kOfRest = 0.25, kLeast = 1e-3;
+  const mjtNum depth = -row.contact->includemargin, overlap = std::max<mjtNum>(0, -row.gap);
+  return std::max({kOfDepth * depth - overlap, kOfRest * (depth - overlap), kLeast * depth});
 }
 
 // ∫∫ F_k of the waveform by time t.
@@ -53,21 +51,29 @@ mjtNum LessAt(const IslandSystem& system, const IslandProblem& problem, mjtNum t
     if (problem.impulse[k] <= 0) continue;
     // y = c t − g − W ∫∫ F
     const mjtNum overlap = problem.closing_speed[k] * t - problem.gap[k] - displacement[k];
-    const mjtNum depth = DepthOf(system.row[k]);
-    if (overlap > depth) less = std::min(less, depth / overlap);
+    const mjtNum room = RoomOf(system.row[k]);
+    if (overlap > room) less = std::min(less, room / overlap);
   }
   return less;
 }
 
+// λ at time t, all impulses delivered with their moments.
+mjtNum LessOfMoments(const IslandSystem& system, const IslandProblem& problem, mjtNum t) {
+  mjtNum* integral = problem.work.numbers;
+  for (int k = 0; k < problem.size; ++k) {
+    integral[k] = problem.impulse[k] * t - problem.moment[k];
+  }
+  return LessAt(system, problem, t, integral);
+}
+
 }  // namespace
 
-mjtNum CompressLess(const mjModel* m, const Config& config, const IslandSystem& system,
-                    const IslandProblem& problem) {
+mjtNum CompressLess(const mjModel* m, const IslandSystem& system, const IslandProblem& problem) {
   mjtNum less = 1;
   for (int k = 0; k < problem.size; ++k) {
     const mjtNum P = problem.impulse[k], W = problem.duration[k];
     if (P <= 0) continue;
-    const mjtNum deepest = DeepestCompression(m, config, system.row[k]);
+    const mjtNum deepest = kOfRadius / ContactCurvature(m, *system.row[k].contact);
     // a push that is rounding has a peak without meaning, but stops no more than P W_kk
     const mjtNum bound = P * system.delassus.diagonal[k] * W;
     if (bound <= deepest) continue;
@@ -93,13 +99,12 @@ mjtNum OverlapLess(const Config& config, const IslandSystem& system,
   return less;
 }
 
+mjtNum DentLess(const IslandSystem& system, const IslandProblem& problem) {
+  return LessOfMoments(system, problem, EndOf(problem));
+}
+
 bool MayComeAtOnce(const IslandSystem& system, const IslandProblem& problem, mjtNum time) {
-  if (EndOf(problem) <= time) return true;
-  mjtNum* integral = problem.work.numbers;
-  for (int k = 0; k < problem.size; ++k) {
-    integral[k] = problem.impulse[k] * time - problem.moment[k];
-  }
-  return LessAt(system, problem, time, integral) >= 1;
+  return EndOf(problem) <= time || LessOfMoments(system, problem, time) >= 1;
 }
 
 }  // namespace mujoco_impact::engine

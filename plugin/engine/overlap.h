@@ -18,8 +18,11 @@
 namespace mujoco_impact::engine {
 
 // For the compressions of the Hertz law, by the peak forces of its solution, H = K y^(3/2).
-mjtNum CompressLess(const mjModel* m, const Config& config, const IslandSystem& system,
-                    const IslandProblem& problem);
+mjtNum CompressLess(const mjModel* m, const IslandSystem& system, const IslandProblem& problem);
+
+// For what is left of overlaps when the impact is over: contacts that lose energy do not expand as
+// far as they were pressed.
+mjtNum DentLess(const IslandSystem& system, const IslandProblem& problem);
 
 // For overlaps while the pulses last, y(t) = c t − g − W ∫∫ F of their waveforms. Two waveforms that
 // press a light body from both sides are not the forces of the contacts, which would follow it.

@@ -84,7 +84,8 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
   bool at_once = false;
   for (int i = 0; i < kTrials; ++i) {
     SolveHertz(config, system, time, problem);
-    mjtNum less = CompressLess(m, config, system, problem);
+    mjtNum less = CompressLess(m, system, problem);
+    if (config.restitution < 1) less = std::min(less, DentLess(system, problem));
     if (InstantRule(config) && less >= 1) {
       at_once =
           AreShorter(problem, time.timestep) && MayComeAtOnce(system, problem, time.left());

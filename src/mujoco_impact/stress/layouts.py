@@ -71,6 +71,8 @@ def balls_of(case: Case) -> Balls:
     velocity[0] += case.speed * direction
     if case.layout == "row" and random.random() < 0.3:
         velocity[-1] -= case.speed * random.uniform(0, 2) * direction
+    if "equality" in case.features and case.count > 2:
+        velocity[-1] = velocity[0]  # joints that are tied do not start apart
     if case.layout != "row" and "sleep" not in case.features:
         jitter = SPREAD * case.speed * (random.random() < 0.5)
         velocity[1:] += jitter * random.normal(size=(case.count - 1, 3)) / 2

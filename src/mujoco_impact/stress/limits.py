@@ -82,8 +82,10 @@ def _presses_deep(evidence: Evidence) -> bool:
 
 def _starts_deep(evidence: Evidence) -> bool:
     case, balls = evidence.case, evidence.run.balls
-    touching = 2 * float(balls.radius.min())
-    return case.overlap * touching > 2 * depth_of(case, balls)
+    first, second = np.triu_indices(case.count, 1)
+    between = np.linalg.norm(balls.position[second] - balls.position[first], axis=1)
+    overlap = balls.radius[first] + balls.radius[second] - between
+    return float(overlap.max()) > 2 * depth_of(case, balls)
 
 
 def _is_handed_over(evidence: Evidence) -> bool:
