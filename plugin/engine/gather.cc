@@ -52,9 +52,11 @@ Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& owne
                     scratch.Take<bool>(count),
                     scratch.Take<bool>(count),
                     scratch.Take<bool>(count),
+                    scratch.Take<bool>(count),
                     scratch.Take<mjtNum>(count)};
   std::fill_n(gathered.anchored, count, false);
   std::fill_n(gathered.relevant, count, true);
+  std::fill_n(gathered.idle, count, false);
   for (int k = 0; k < count; ++k) {
     const mjContact& contact = d->contact[owned[k]];
     const mjtNum speed = std::max<mjtNum>(0, ClosingSpeed(m, d, contact));
@@ -92,7 +94,7 @@ bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum t
   for (int k = 0; k < gathered.count; ++k) {
     const mjContact& contact = d->contact[gathered.contact[k]];
     gathered.due[k] = false;
-    if (!gathered.relevant[k]) continue;
+    if (!gathered.relevant[k] || gathered.idle[k]) continue;
     // the bodies are still where MuJoCo found the contact: its velocities tell
     if (outlook.start == 0 && gathered.lowest[k] >= -touch) continue;
     mjtNum tau;

@@ -27,6 +27,7 @@ struct Gathered {
   bool* anchored;
   mjtNum* lowest;  // gap that it has at least by the end of the step, if nothing strikes [m]
   bool* relevant;  // whether it may still close: it was struck, or waits for its turn
+  bool* idle;      // it closes by rounding alone, which is no impact; until something is struck
   bool* due;       // whether it closes in the rest of the step
   bool* near;      // whether it may take part in the impact of a neighbour
   mjtNum* tau;     // when, from the time of the outlook, if due [s]

@@ -58,8 +58,9 @@ class Resolver {
 
  private:
   void ResolveRound(const Outlook& outlook);
-  void ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, const int* position,
+  bool ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, const int* position,
                        int count);
+  void ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
   ImpactTime FirstClosing(const Outlook& outlook, const int* position, int count) const;
   template <typename Visit>
   void ForStruck(const ContactRow& row, Visit visit) const;
@@ -134,7 +135,8 @@ ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, i
   return time;
 }
 
-void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, const int* position,
+// False if no contact pushes.
+bool Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, const int* position,
                                int count) {
   Scratch scratch(d_);
   size_t bytes = IslandBytes(m_, d_, mobility_, contacts_, position, count, scratch);
@@ -144,7 +146,7 @@ void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
         "mujoco_impact.waveform: an impact of %d contacts needs more memory than mjData has left "
         "and is skipped; raise <size memory=\"...\"/> in the model",
         count);
-    return;
+    return true;
   }
   IslandSystem system =
       BuildIsland(m_, d_, mobility_, contacts_, position, count, outlook.motion, time.tau, scratch);
@@ -156,6 +158,7 @@ void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
   }
   const auto pushes = std::count_if(impacts, impacts + count,
                                     [](const Impact& impact) { return impact.impulse > 0; });
+  if (pushes == 0) return false;
   // Without free slots all of the island comes now, and no momentum is lost; all or none, for a light
   // body between two others is pushed by the difference.
   const bool no_room = !HasRoom(state_, static_cast<int>(pushes));
@@ -173,6 +176,22 @@ void Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
   for (int k = 0; k < count; ++k) {
     if (impacts[k].impulse <= 0) continue;
     ForStruck(system.row[k], [&](int tree) { busy_[tree] = end; });
+  }
+  return true;
+}
+
+// Resolves the island from the first contact on whose closing is an impact.
+void Resolver::ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position,
+                              int count) {
+  while (time.first >= 0) {
+    if (ResolveIslandOf(outlook, time, position, count)) {
+      std::fill_n(contacts_.idle, contacts_.count, false);
+      return;
+    }
+    const int first = position[time.first];
+    contacts_.idle[first] = true;
+    contacts_.due[first] = false;
+    time = FirstClosing(outlook, position, count);
   }
 }
 
@@ -219,7 +238,7 @@ void Resolver::ResolveRound(const Outlook& outlook) {
     const int count = islands.start[island + 1] - islands.start[island];
     const bool may_wait = i > 0 && !last_ && round_end_ < m_->opt.timestep;
     if (may_wait && IsReached(position, count, times[island].tau)) break;
-    ResolveIslandOf(outlook, times[island], position, count);
+    ResolveFirstOf(outlook, times[island], position, count);
   }
 }
 
@@ -261,7 +280,7 @@ bool Resolver::MoreMayClose(const Outlook& outlook) {
   const mjtNum time_left = m_->opt.timestep - outlook.start;
   bool any = false;
   for (int k = 0; k < contacts_.count; ++k) {
-    contacts_.relevant[k] = contacts_.due[k] || WasStruck(k);
+    contacts_.relevant[k] = (contacts_.due[k] || WasStruck(k)) && !contacts_.idle[k];
     if (any || !contacts_.relevant[k]) continue;
     const ContactPath path(m_, d_, Anchor(m_, d_, contacts_, k), kicked_);
     any = path.GapRate(0) < 0 && path.Gap(0) + time_left * path.GapRate(0) < -config_.touch;
