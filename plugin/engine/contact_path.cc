@@ -66,6 +66,12 @@ Vector3 ContactPath::Normal(mjtNum tau) const {
   return UnitOr(Distance(tau), anchor_.normal);
 }
 
+mjtNum ContactPath::TurnRate(mjtNum tau) const {
+  if (!anchor_.spheres()) return 0;
+  // |n × D'| / |D|
+  return Norm(Cross(Normal(tau), DistanceRate(tau))) / std::max(Norm(Distance(tau)), mjMINVAL);
+}
+
 Vector3 ContactPath::Distance(mjtNum tau) const { return SideAt(1, tau) - SideAt(0, tau); }
 
 Vector3 ContactPath::DistanceRate(mjtNum tau) const {

@@ -56,6 +56,8 @@ class ContactPath {
   mjtNum Gap(mjtNum tau) const;
   mjtNum GapRate(mjtNum tau) const;
   Vector3 Normal(mjtNum tau) const;
+  // How fast the normal turns [rad/s].
+  mjtNum TurnRate(mjtNum tau) const;
 
   // Whether the contact closes at the start. One that overlaps must get deeper by a part of `touch`
   // within `time`: a plastic impact leaves the rounding of a common speed, and to call that an

@@ -34,6 +34,12 @@ void AddDetour(const mjModel* m, mjData* d, const Mobility& mobility, const Deli
   AddWeightGradient(m, d, displacement, force);
 }
 
+// All that is left, in the middle of the step.
+Share RestAtOnce(const Pulse& pulse, mjtNum h) {
+  const mjtNum impulse = pulse.scale_next * pulse.impulse * (1 - pulse.delivered);
+  return {impulse, 0.5 * h * impulse, 1};
+}
+
 }  // namespace
 
 Delivery MakeDelivery(const mjModel* m, Scratch& scratch) {
@@ -41,6 +47,7 @@ Delivery MakeDelivery(const mjModel* m, Scratch& scratch) {
 }
 
 Share ShareOfStep(const Pulse& pulse, mjtNum clock, mjtNum h) {
+  if (pulse.finishing != 0) return RestAtOnce(pulse, h);
   const mjtNum W = pulse.duration, E = pulse.restitution;
   const mjtNum begin = (clock - pulse.onset) / W;
   const mjtNum end = (clock + h - pulse.onset) / W;

@@ -21,6 +21,7 @@ void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau
              Scratch& scratch) {
   row.normal = row.path.Normal(tau);
   row.gap = row.path.Gap(tau);
+  row.turn_rate = row.path.TurnRate(tau);
   const ContactTrees trees = TreesOf(m, *row.contact);
   const bool merged = trees.tree[0] == trees.tree[1];
   row.segment[0] = MakeSegment(m, trees.tree[0], scratch);
@@ -173,6 +174,7 @@ IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobi
         new (&system.row[k]) ContactRow{&d->contact[contacts.contact[i]],
                                         ContactPath(m, d, Anchor(m, d, contacts, i), motion),
                                         {},
+                                        0,
                                         0,
                                         {}};
     FillRow(m, d, motion, tau, *row, scratch);

@@ -13,7 +13,7 @@ namespace mujoco_impact::engine {
 namespace {
 
 // Of M: what else presses meanwhile, and the turning of normals, need room, too.
-constexpr mjtNum kOfDepth = 0.6;
+constexpr mjtNum kOfDepth = 0.5;
 
 // Of 1/(1/R₁ + 1/R₂): beyond, a contact is no longer one at a point.
 constexpr mjtNum kOfRadius = 0.5;
@@ -31,14 +31,6 @@ mjtNum TwiceIntegrated(const IslandProblem& problem, int k, mjtNum t, mjtNum res
   const mjtNum W = problem.duration[k], x = (t - problem.onset[k]) / W;
   return problem.impulse[k] * W *
          (x * law::WaveformCumulative(x, restitution) - law::WaveformMoment(x, restitution));
-}
-
-mjtNum EndOf(const IslandProblem& problem) {
-  mjtNum end = 0;
-  for (int k = 0; k < problem.size; ++k) {
-    if (problem.impulse[k] > 0) end = std::max(end, problem.onset[k] + problem.duration[k]);
-  }
-  return end;
 }
 
 // λ at time t, `integral` ∫∫ F_k by then.
@@ -68,6 +60,14 @@ mjtNum LessOfMoments(const IslandSystem& system, const IslandProblem& problem, m
 
 }  // namespace
 
+mjtNum EndOf(const IslandProblem& problem) {
+  mjtNum end = 0;
+  for (int k = 0; k < problem.size; ++k) {
+    if (problem.impulse[k] > 0) end = std::max(end, problem.onset[k] + problem.duration[k]);
+  }
+  return end;
+}
+
 mjtNum CompressLess(const mjModel* m, const IslandSystem& system, const IslandProblem& problem) {
   mjtNum less = 1;
   for (int k = 0; k < problem.size; ++k) {
@@ -95,6 +95,17 @@ mjtNum OverlapLess(const Config& config, const IslandSystem& system,
       integral[k] = TwiceIntegrated(problem, k, t, config.waveform_restitution);
     }
     less = std::min(less, LessAt(system, problem, t, integral));
+  }
+  return less;
+}
+
+mjtNum TurnLess(const IslandSystem& system, const IslandProblem& problem) {
+  constexpr mjtNum kMostTurn = 0.3;  // [rad]
+  mjtNum less = 1;
+  for (int k = 0; k < problem.size; ++k) {
+    if (problem.impulse[k] <= 0) continue;
+    const mjtNum turn = system.row[k].turn_rate * problem.duration[k];
+    if (turn * less > kMostTurn) less = kMostTurn / turn;
   }
   return less;
 }

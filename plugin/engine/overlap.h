@@ -17,8 +17,14 @@
 
 namespace mujoco_impact::engine {
 
+// When the last pulse is over [s].
+mjtNum EndOf(const IslandProblem& problem);
+
 // For the compressions of the Hertz law, by the peak forces of its solution, H = K y^(3/2).
 mjtNum CompressLess(const mjModel* m, const IslandSystem& system, const IslandProblem& problem);
+
+// For normals that turn while the pulses last: their impulses act along those of the onset.
+mjtNum TurnLess(const IslandSystem& system, const IslandProblem& problem);
 
 // For what is left of overlaps when the impact is over: contacts that lose energy do not expand as
 // far as they were pressed.

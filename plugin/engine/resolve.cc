@@ -75,40 +75,44 @@ bool AreShorter(const IslandProblem& problem, mjtNum time) {
   return true;
 }
 
-// Solves the Hertz law with bodies that are as stiff as they must be to stay within their depth, y ~
-// W ~ K^(−2/5): the impulses of bodies that touch do not depend on it, only their times do. Returns
-// whether the impulses come at once.
-bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem& system,
-                      const ImpactTime& time, IslandProblem& problem) {
-  constexpr int kTrials = 5;
-  bool at_once = false;
-  for (int i = 0; i < kTrials; ++i) {
-    SolveHertz(config, system, time, problem);
-    mjtNum less = CompressLess(m, system, problem);
-    if (config.restitution < 1) less = std::min(less, DentLess(system, problem));
-    if (InstantRule(config) && less >= 1) {
-      at_once =
-          AreShorter(problem, time.timestep) && MayComeAtOnce(system, problem, time.left());
-      if (!at_once) less = OverlapLess(config, system, problem);
-    }
-    if (less >= 1) break;
-    mju_scl(problem.stiffness, problem.stiffness, std::pow(less, -2.5), problem.size);
-  }
-  return at_once;
-}
-
 // Gives all contacts one pulse of the duration W, or as much shorter as their depth asks for. Returns
 // whether the impulses come at once.
 bool SetCommonPulse(const Config& config, const IslandSystem& system, const ImpactTime& time,
                     mjtNum duration, IslandProblem& problem) {
   std::fill_n(problem.onset, problem.size, 0);
   std::fill_n(problem.duration, problem.size, duration);
-  mju_scl(problem.duration, problem.duration, OverlapLess(config, system, problem), problem.size);
+  const mjtNum less =
+      std::min(OverlapLess(config, system, problem), TurnLess(system, problem));
+  mju_scl(problem.duration, problem.duration, less, problem.size);
   const mjtNum centre = law::WaveformMoment(1, config.waveform_restitution);
   for (int k = 0; k < problem.size; ++k) {
     problem.moment[k] = problem.impulse[k] * problem.duration[k] * centre;
   }
   return AreShorter(problem, time.left());
+}
+
+// Solves the Hertz law with bodies that are as stiff as they must be to stay within their depth, y ~
+// W ~ K^(−2/5): the impulses of bodies that touch do not depend on it, only their times do. Where that
+// is not enough (a light body that is thrown to and fro across gaps), all contacts share one pulse.
+// Returns whether the impulses come at once.
+bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem& system,
+                      const ImpactTime& time, IslandProblem& problem) {
+  constexpr int kTrials = 4;
+  bool at_once = false;
+  for (int i = 0;; ++i) {
+    SolveHertz(config, system, time, problem);
+    mjtNum less = std::min(CompressLess(m, system, problem), TurnLess(system, problem));
+    if (config.restitution < 1) less = std::min(less, DentLess(system, problem));
+    if (InstantRule(config) && less >= 1) {
+      at_once =
+          AreShorter(problem, time.timestep) && MayComeAtOnce(system, problem, time.left());
+      if (!at_once) less = OverlapLess(config, system, problem);
+    }
+    if (less >= 1) return at_once;
+    if (i == kTrials) break;
+    mju_scl(problem.stiffness, problem.stiffness, std::pow(less, -2.5), problem.size);
+  }
+  return SetCommonPulse(config, system, time, EndOf(problem), problem);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/deliver.h"
 #include "engine/line_of_action.h"
 #include "engine/point.h"
 #include "engine/tree_sets.h"
@@ -51,7 +52,16 @@ TreeSets JoinedByPulses(const mjModel* m, const Mobility& mobility, State& state
   return sets;
 }
 
-// Adds what tree contributes: T is a sum over kinematic trees.
+// v·p + ½ pᵀM⁻¹p on the dofs of a tree: T is a sum over kinematic trees.
+mjtNum Work(const mjModel* m, const mjData* d, int tree, const mjtNum* impulse,
+            const mjtNum* change) {
+  const int begin = m->tree_dofadr[tree], end = begin + m->tree_dofnum[tree];
+  mjtNum work = 0;
+  for (int i = begin; i < end; ++i) work += (d->qvel[i] + 0.5 * change[i]) * impulse[i];
+  return work;
+}
+
+// Adds what a tree contributes.
 void AddTree(const mjModel* m, const mjData* d, int tree, const Impulses& impulses,
              const Impulses& changes, Balance& balance) {
   const int begin = m->tree_dofadr[tree], end = begin + m->tree_dofnum[tree];
@@ -72,6 +82,42 @@ mjtNum ScaleOf(const Balance& balance, mjtNum restitution) {
   const mjtNum sigma =
       discriminant <= 0 ? -c / (2 * a) : 2 * D / (c + std::copysign(std::sqrt(discriminant), c));
   return std::max<mjtNum>(0, 1 + sigma);
+}
+
+// Σ JᵀR of the pulses under way, or of the part of it that comes in this step, along the lines now.
+void AddScaled(const mjModel* m, const mjData* d, State& state, bool of_step, mjtNum* impulse) {
+  const mjtNum clock = state.header().clock, h = m->opt.timestep;
+  ForPulsesUnderWay(state, [&](Pulse& pulse) {
+    const mjtNum part = of_step ? ShareOfStep(pulse, clock, h).impulse
+                                : pulse.scale_next * pulse.impulse * (1 - pulse.delivered);
+    AddPulseRow(m, d, pulse, pulse.line_next, part, impulse);
+  });
+}
+
+// Ends the elastic sets of pulses that would have more energy after this step than in the end.
+void EndOverfull(const mjModel* m, const mjData* d, const Mobility& mobility, TreeSets& sets,
+                 State& state, Scratch& scratch) {
+  mjtNum* impulse[2] = {scratch.Zeros(m->nv), scratch.Zeros(m->nv)};
+  mjtNum* change[2] = {scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv)};
+  // work of the step less that of all there is to come
+  mjtNum* excess = scratch.Zeros(m->ntree);
+  mjtNum* work = scratch.Zeros(m->ntree);
+  for (const bool of_step : {false, true}) {
+    AddScaled(m, d, state, of_step, impulse[of_step]);
+    mobility.Solve(change[of_step], impulse[of_step]);
+  }
+  for (int tree = 0; tree < m->ntree; ++tree) {
+    const int set = sets.Root(tree);
+    const mjtNum of_step = Work(m, d, tree, impulse[1], change[1]);
+    work[set] += of_step;
+    excess[set] += of_step - Work(m, d, tree, impulse[0], change[0]);
+  }
+  ForPulsesUnderWay(state, [&](Pulse& pulse) {
+    const int set = sets.Root(MovingTree(m, pulse));
+    // what is rounding ends nothing
+    const bool overfull = excess[set] > 1e-9 * std::abs(work[set]) && work[set] > 0;
+    if (pulse.restitution >= 1 && overfull) pulse.finishing = 1;
+  });
 }
 
 }  // namespace
@@ -99,6 +145,7 @@ void FollowLines(const mjModel* m, const mjData* d, const Mobility& mobility, St
     const Balance& balance = balances[sets.Root(MovingTree(m, pulse))];
     pulse.scale_next = pulse.scale * ScaleOf(balance, pulse.restitution);
   });
+  EndOverfull(m, d, mobility, sets, state, scratch);
 }
 
 }  // namespace mujoco_impact::engine

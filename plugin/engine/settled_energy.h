@@ -15,6 +15,10 @@
 // (the root that vanishes with D; if there is none, the σ of the least energy). Energy that turning
 // would add (D < 0) is not added. Energy that it would take (D > 0) is pressed into the contact,
 // which gives e² of it back: all, if it is elastic. A law of ours: a rigid body has no such phase.
+//
+// Elastic bodies never have more than T_s before the end, for what is pressed into contacts is not
+// negative. Where waveforms would have it otherwise, one pulse parts what another has yet to stop: then
+// all that is left of that set comes in this step, and leaves T_s.
 
 #ifndef MUJOCO_IMPACT_ENGINE_SETTLED_ENERGY_H_
 #define MUJOCO_IMPACT_ENGINE_SETTLED_ENERGY_H_

@@ -37,6 +37,7 @@ void DiscardPending(State& state) {
     Pulse& pulse = state.pulse(i);
     pulse.delivered_next = pulse.delivered;
     pulse.scale_next = pulse.scale;
+    pulse.finishing = 0;
     pulse.line_next = pulse.line;
     if (pulse.serial < 0) pulse = Pulse{};
   }

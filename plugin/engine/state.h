@@ -39,6 +39,7 @@ struct Pulse {
   double delivered_next;  // and by its end; committed by advance
   double scale;           // of what is not delivered, over that part of P_k (settled_energy.h) [-]
   double scale_next;      // in this step; committed by advance
+  double finishing;       // 1: all that is left comes in this step
   double point[2][3];     // where the force acts, in the frames of the two bodies [m]
   double tangent[3];      // tangential impulse over P_k, on geom[1], world frame [-]
   LineOfAction line;       // in the last step, or at the onset

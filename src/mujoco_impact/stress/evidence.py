@@ -19,8 +19,9 @@ NUDGE = 1e-6
 impact law per step."""
 
 
-FINE = 1e-9
-"""Tolerance of the impact law where its error is not to count."""
+FINE = (1e-7, 1e-8)
+"""Tolerances of the impact law where its error is not to count; the difference between
+the two shows what a scene makes of it."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -38,9 +39,10 @@ class Evidence:
     tolerance: float | None = None
 
     @cached_property
-    def fine(self) -> Evidence:
-        """The same with hardly any error of the law."""
-        return Evidence(self.case, self.method, FINE)
+    def fine(self) -> tuple[Evidence, Evidence]:
+        """The same with hardly any error of the law, and with ten times less."""
+        coarse, fine = (Evidence(self.case, self.method, x) for x in FINE)
+        return coarse, fine
 
     @cached_property
     def balls(self) -> Balls:

@@ -116,10 +116,18 @@ def _is_pulled(evidence: Evidence) -> bool:
     case = evidence.case
     if case.is_free or not evidence.run.impacts:
         return False
-    acceleration = np.abs(np.diff(evidence.apart.velocity, axis=0)).max()
-    longest = max(impact.duration for impact in evidence.run.impacts)
+    change = np.abs(np.diff(evidence.apart.velocity, axis=0)).max()
+    run = evidence.run
+    steady = run.quiet[:-1] & run.quiet[1:]
+    for impact in run.impacts:
+        step = int(impact.time / case.timestep)
+        steady[max(0, step - 1) : step + 2] = False
+    if steady.any():
+        # a light ball that was struck may be pulled harder
+        change = max(change, np.abs(np.diff(run.velocity, axis=0)[steady]).max())
+    longest = max(impact.duration for impact in run.impacts)
     time = max(longest, case.timestep)
-    return bool(acceleration / case.timestep * time > SLOW * case.speed)
+    return bool(change / case.timestep * time > SLOW * case.speed)
 
 
 def _runs_out_of_slots(evidence: Evidence) -> bool:
