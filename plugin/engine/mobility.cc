@@ -56,7 +56,7 @@ Softness SoftnessBySolver(const mjModel* m, const mjData* d, int i) {
 }
 
 Softness SoftnessOf(const mjModel* m, const mjData* d, int i, mjtNum A) {
-  if (d->efc_R[i] <= 0) return SoftnessBySolver(m, d, i);
+  if (m->opt.integrator == mjINT_DISCRETE) return SoftnessBySolver(m, d, i);
   const mjtNum* KBI = d->efc_KBIP + 4 * i;
   return {d->efc_R[i] / A, KBI[0] * KBI[2], KBI[1]};
 }

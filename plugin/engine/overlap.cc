@@ -115,7 +115,7 @@ mjtNum DentLess(const IslandSystem& system, const IslandProblem& problem) {
 }
 
 bool MayComeAtOnce(const IslandSystem& system, const IslandProblem& problem, mjtNum time) {
-  return EndOf(problem) <= time || LessOfMoments(system, problem, time) >= 1;
+  return LessOfMoments(system, problem, time) >= 1;
 }
 
 }  // namespace mujoco_impact::engine

@@ -92,12 +92,12 @@ bool SetCommonPulse(const Config& config, const IslandSystem& system, const Impa
 }
 
 // Solves the Hertz law with bodies that are as stiff as they must be to stay within their depth, y ~
-// W ~ K^(−2/5): the impulses of bodies that touch do not depend on it, only their times do. Where that
-// is not enough (a light body that is thrown to and fro across gaps), all contacts share one pulse.
+// W ~ K^(−2/5): the impulses of bodies that touch do not depend on it, only their times do. What closes
+// after a flight is left for later accordingly. Where all that is not enough, contacts share one pulse.
 // Returns whether the impulses come at once.
 bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem& system,
-                      const ImpactTime& time, IslandProblem& problem) {
-  constexpr int kTrials = 4;
+                      ImpactTime time, IslandProblem& problem) {
+  constexpr int kTrials = 8;
   bool at_once = false;
   for (int i = 0;; ++i) {
     SolveHertz(config, system, time, problem);
@@ -110,7 +110,9 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
     }
     if (less >= 1) return at_once;
     if (i == kTrials) break;
+    if (i > 0) less *= 0.5;  // gaps do not shrink along
     mju_scl(problem.stiffness, problem.stiffness, std::pow(less, -2.5), problem.size);
+    time.flight *= less;
   }
   return SetCommonPulse(config, system, time, EndOf(problem), problem);
 }
