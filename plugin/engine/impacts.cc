@@ -159,8 +159,8 @@ bool Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
   const auto pushes = std::count_if(impacts, impacts + count,
                                     [](const Impact& impact) { return impact.impulse > 0; });
   if (pushes == 0) return false;
-  // Without free slots all of the island comes now, and no momentum is lost; all or none, for a light
-  // body between two others is pushed by the difference.
+  // Without free slots all of the island comes now, and no momentum is lost; all or none, for a
+  // light body between two others is pushed by the difference.
   const bool no_room = !HasRoom(state_, static_cast<int>(pushes));
   mjtNum end = time.start + time.tau;
   for (int k = 0; k < count; ++k) {
@@ -214,8 +214,8 @@ mjtNum Resolver::Reach(const Outlook& outlook) {
 void Resolver::ResolveRound(const Outlook& outlook) {
   Scratch scratch(d_);
   FindNear(m_, d_, outlook, Reach(outlook), contacts_);
-  const Islands islands = FindIslands(m_, d_, mobility_, contacts_.contact, contacts_.due, contacts_.near,
-                                      contacts_.count, scratch);
+  const Islands islands = FindIslands(m_, d_, mobility_, contacts_.contact, contacts_.due,
+                                      contacts_.near, contacts_.count, scratch);
   round_end_ = m_->opt.timestep;
   std::fill_n(mark_, m_->ntree, kUntouched);
   mju_copy(kicked_.velocity, outlook.motion.velocity, m_->nv);

@@ -57,8 +57,8 @@ void TieRates(const Mobility& mobility, const ContactRow& row, mjtNum* rates) {
 }
 
 // W −= (J M⁻¹ J_tᵀ) (A + R)⁻¹ (J_t M⁻¹ Jᵀ): what the ties J_t take up.
-void AddTies(const Mobility& mobility, const IslandSystem& system, mjtNum* value,
-             mjtNum* diagonal, Scratch& scratch) {
+void AddTies(const Mobility& mobility, const IslandSystem& system, mjtNum* value, mjtNum* diagonal,
+             Scratch& scratch) {
   const int ties = mobility.ties();
   mjtNum* rates = scratch.Take<mjtNum>(system.size * ties);
   mjtNum* force = scratch.Take<mjtNum>(ties);
@@ -113,8 +113,8 @@ void ForNeighbours(const Mobility& mobility, const IslandSystem& system, const B
   }
 }
 
-void BuildDelassus(const mjModel* m, const Mobility& mobility,
-                   IslandSystem& system, Scratch& scratch) {
+void BuildDelassus(const mjModel* m, const Mobility& mobility, IslandSystem& system,
+                   Scratch& scratch) {
   const int n = system.size;
   const ByTree by = SortByTree(m, mobility, system, scratch);
   int* seen = scratch.Take<int>(n);
@@ -160,8 +160,9 @@ size_t IslandBytes(const mjModel* m, const mjData* d, const Mobility& mobility,
   // of the Delassus matrix, the laws and the resolution
   constexpr size_t kPerContact = 768;
   const size_t ties = static_cast<size_t>(mobility.ties()) * (count + 1) * sizeof(mjtNum);
-  return ties + count * (sizeof(ContactRow) + kPerContact) + couples * (sizeof(mjtNum) + sizeof(int)) +
-         (2 * dofs + m->nv) * sizeof(mjtNum) + 4 * m->ntree * sizeof(int);
+  return ties + count * (sizeof(ContactRow) + kPerContact) +
+         couples * (sizeof(mjtNum) + sizeof(int)) + (2 * dofs + m->nv) * sizeof(mjtNum) +
+         4 * m->ntree * sizeof(int);
 }
 
 IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobility,

@@ -2,8 +2,8 @@
 // The contacts of one island as rows of a Jacobian, and their Delassus matrix W = J M̃⁻¹ Jᵀ.
 //
 // A row has at most two segments, one per kinematic tree that the contact joins, so W couples only
-// contacts that share a tree, or tied ones (a row of balls gives a tridiagonal W), and no row is ever
-// as long as the model. Rows are taken at the time of impact: n(τ)ᵀ (J + τ J̇).
+// contacts that share a tree, or tied ones (a row of balls gives a tridiagonal W), and no row is
+// ever as long as the model. Rows are taken at the time of impact: n(τ)ᵀ (J + τ J̇).
 
 #ifndef MUJOCO_IMPACT_ENGINE_ISLAND_SYSTEM_H_
 #define MUJOCO_IMPACT_ENGINE_ISLAND_SYSTEM_H_
@@ -29,8 +29,8 @@ struct RowSegment {
 struct ContactRow {
   const mjContact* contact;
   ContactPath path;
-  Vector3 normal;  // n(τ), from geom[0] to geom[1]
-  mjtNum gap;      // gap(τ) [m]
+  Vector3 normal;    // n(τ), from geom[0] to geom[1]
+  mjtNum gap;        // gap(τ) [m]
   mjtNum turn_rate;  // of the normal [rad/s]
   RowSegment segment[2];
 };

@@ -24,7 +24,7 @@ void CopyRow(const mjModel* m, const mjData* d, int i, mjtNum* row) {
   }
 }
 
-// How soft a tie is: R over A_ii, and a_ref = −damping (J v) − stiffness (pos − margin).
+// How soft a tie is: R, and a_ref = −damping (J v) − stiffness (pos − margin).
 struct Softness {
   mjtNum regularization, stiffness, damping;
 };
@@ -34,19 +34,19 @@ mjtNum Impedance(const mjtNum* solimp, mjtNum violation) {
   const mjtNum x = std::min<mjtNum>(1, std::abs(violation) / std::max(mjMINVAL, solimp[2]));
   const mjtNum midpoint = solimp[3], power = solimp[4];
   // y = x^p / m^(p−1) up to the midpoint m, and the same turned by half a circle above
-  const mjtNum y = x <= midpoint
-                       ? std::pow(x, power) / std::pow(midpoint, power - 1)
-                       : 1 - std::pow(1 - x, power) / std::pow(1 - midpoint, power - 1);
+  const mjtNum y = x <= midpoint ? std::pow(x, power) / std::pow(midpoint, power - 1)
+                                 : 1 - std::pow(1 - x, power) / std::pow(1 - midpoint, power - 1);
   return std::clamp<mjtNum>(solimp[0] + y * (solimp[1] - solimp[0]), mjMINIMP, mjMAXIMP);
 }
 
 // The integrator `discrete` makes them only after the passive forces.
-Softness SoftnessBySolver(const mjModel* m, const mjData* d, int i) {
+Softness SoftnessBySolver(const mjModel* m, const mjData* d, int i, mjtNum A) {
   const mjtNum* solimp = m->eq_solimp + mjNIMP * d->efc_id[i];
   const mjtNum* solref = m->eq_solref + mjNREF * d->efc_id[i];
   const mjtNum impedance = Impedance(solimp, d->efc_pos[i] - d->efc_margin[i]);
   const mjtNum most = std::clamp<mjtNum>(solimp[1], mjMINIMP, mjMAXIMP);
-  const mjtNum regularization = (1 - impedance) / impedance;
+  // no smaller for a row without effect, of which A_ii = 0
+  const mjtNum regularization = (1 - impedance) / impedance * std::max(A, mjMINVAL);
   if (solref[0] <= 0) {
     return {regularization, -solref[0] / (most * most) * impedance, -solref[1] / most};
   }
@@ -56,9 +56,9 @@ Softness SoftnessBySolver(const mjModel* m, const mjData* d, int i) {
 }
 
 Softness SoftnessOf(const mjModel* m, const mjData* d, int i, mjtNum A) {
-  if (m->opt.integrator == mjINT_DISCRETE) return SoftnessBySolver(m, d, i);
+  if (m->opt.integrator == mjINT_DISCRETE) return SoftnessBySolver(m, d, i, A);
   const mjtNum* KBI = d->efc_KBIP + 4 * i;
-  return {d->efc_R[i] / A, KBI[0] * KBI[2], KBI[1]};
+  return {d->efc_R[i], KBI[0] * KBI[2], KBI[1]};
 }
 
 size_t TieBytes(const mjModel* m, int ties) {
@@ -95,7 +95,7 @@ Mobility::Mobility(const mjModel* m, mjData* d, Scratch& scratch) : m_(m), d_(d)
     const Softness softness = SoftnessOf(m, d, i, A);
     reference_[i] = -softness.damping * mju_dot(rows_ + i * nv, d->qvel, nv) -
                     softness.stiffness * (d->efc_pos[i] - d->efc_margin[i]);
-    A += softness.regularization * A;
+    A += softness.regularization;
   }
   mju_cholFactor(factor_, ties_, mjMINVAL);
   FindGroups(scratch);

@@ -6,8 +6,8 @@
 //   a = M̃⁻¹ f + M⁻¹Jᵀ(A + R)⁻¹ a_ref      M̃⁻¹ = M⁻¹ − M⁻¹Jᵀ(A + R)⁻¹J M⁻¹,  A = J M⁻¹Jᵀ
 //
 // J the rows of the equality constraints, R their regularization: an impulse on a body moves those
-// that it is tied to as well. Constraints that are not always active (limits, dry friction, contacts
-// of MuJoCo) are left out.
+// that it is tied to as well. Constraints that are not always active (limits, dry friction,
+// contacts of MuJoCo) are left out.
 
 #ifndef MUJOCO_IMPACT_ENGINE_MOBILITY_H_
 #define MUJOCO_IMPACT_ENGINE_MOBILITY_H_
@@ -54,12 +54,12 @@ class Mobility {
   const mjModel* m_;
   mjData* d_;
   int ties_ = 0;
-  mjtNum* rows_ = nullptr;    // J (ties × nv)
-  mjtNum* answer_ = nullptr;  // J M⁻¹ (ties × nv)
-  mjtNum* factor_ = nullptr;  // of A + R (ties × ties)
+  mjtNum* rows_ = nullptr;       // J (ties × nv)
+  mjtNum* answer_ = nullptr;     // J M⁻¹ (ties × nv)
+  mjtNum* factor_ = nullptr;     // of A + R (ties × ties)
   mjtNum* reference_ = nullptr;  // a_ref (ties)
-  mjtNum* work_ = nullptr;    // (2 ties)
-  int* group_ = nullptr;      // (ntree)
+  mjtNum* work_ = nullptr;       // (2 ties)
+  int* group_ = nullptr;         // (ntree)
 };
 
 }  // namespace mujoco_impact::engine

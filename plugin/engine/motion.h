@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the scene would move through the step if no contact closed.
 //
-//   a = M⁻¹ (forces − bias)        free acceleration: gravity, springs, dampers, actuators, applied;
+//   a = M⁻¹ (forces − bias)        free acceleration: gravity, springs, dampers, actuators,
+//   applied;
 //                                  M̃⁻¹ and the pull of equality constraints (mobility.h)
 //   V = v + h/2 a                  Euler, implicit, implicitfast, discrete
 //   V = v                          RK4

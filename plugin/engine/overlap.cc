@@ -83,8 +83,7 @@ mjtNum CompressLess(const mjModel* m, const IslandSystem& system, const IslandPr
   return less;
 }
 
-mjtNum OverlapLess(const Config& config, const IslandSystem& system,
-                   const IslandProblem& problem) {
+mjtNum OverlapLess(const Config& config, const IslandSystem& system, const IslandProblem& problem) {
   constexpr int kSamples = 8;
   const mjtNum end = EndOf(problem);
   mjtNum* integral = problem.work.numbers;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // How deep bodies overlap because an impact takes time, against how deep they may.
 //
-// A contact is ours down to the depth M: deeper, MuJoCo's own would act besides. So what shows of an
-// impact at the ends of steps is kept within a part of M, and a compression within what can be
-// called the touching of two bodies at a point. All functions return the λ ≤ 1 by which overlaps, and
-// with them the times of the impact, must be smaller.
+// A contact is ours down to the depth M: deeper, MuJoCo's own would act besides. So what shows of
+// an impact at the ends of steps is kept within a part of M, and a compression within what can be
+// called the touching of two bodies at a point. All functions return the λ ≤ 1 by which overlaps,
+// and with them the times of the impact, must be smaller.
 
 #ifndef MUJOCO_IMPACT_ENGINE_OVERLAP_H_
 #define MUJOCO_IMPACT_ENGINE_OVERLAP_H_
@@ -30,8 +30,9 @@ mjtNum TurnLess(const IslandSystem& system, const IslandProblem& problem);
 // far as they were pressed.
 mjtNum DentLess(const IslandSystem& system, const IslandProblem& problem);
 
-// For overlaps while the pulses last, y(t) = c t − g − W ∫∫ F of their waveforms. Two waveforms that
-// press a light body from both sides are not the forces of the contacts, which would follow it.
+// For overlaps while the pulses last, y(t) = c t − g − W ∫∫ F of their waveforms. Two waveforms
+// that press a light body from both sides are not the forces of the contacts, which would follow
+// it.
 mjtNum OverlapLess(const Config& config, const IslandSystem& system, const IslandProblem& problem);
 
 // Whether bodies overlap no deeper than that after the `time` left of the step if all impulses are

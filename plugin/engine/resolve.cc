@@ -25,15 +25,9 @@ mjtNum DurationFromMoment(mjtNum impulse, mjtNum moment, mjtNum onset, mjtNum re
 
 void SolveHertz(const Config& config, const IslandSystem& system, const ImpactTime& time,
                 IslandProblem& problem) {
-  const law::ImpactProblem impact{system.delassus,
-                                  problem.closing_speed,
-                                  problem.gap,
-                                  problem.stiffness,
-                                  config.restitution,
-                                  config.dissipation,
-                                  time.left(),
-                                  time.flight,
-                                  config.tolerance};
+  const law::ImpactProblem impact{system.delassus,   problem.closing_speed, problem.gap,
+                                  problem.stiffness, config.restitution,    config.dissipation,
+                                  time.left(),       time.flight,           config.tolerance};
   for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset}) {
     mju_zero(solution, problem.size);
   }
@@ -75,14 +69,13 @@ bool AreShorter(const IslandProblem& problem, mjtNum time) {
   return true;
 }
 
-// Gives all contacts one pulse of the duration W, or as much shorter as their depth asks for. Returns
-// whether the impulses come at once.
+// Gives all contacts one pulse of the duration W, or as much shorter as their depth asks for.
+// Returns whether the impulses come at once.
 bool SetCommonPulse(const Config& config, const IslandSystem& system, const ImpactTime& time,
                     mjtNum duration, IslandProblem& problem) {
   std::fill_n(problem.onset, problem.size, 0);
   std::fill_n(problem.duration, problem.size, duration);
-  const mjtNum less =
-      std::min(OverlapLess(config, system, problem), TurnLess(system, problem));
+  const mjtNum less = std::min(OverlapLess(config, system, problem), TurnLess(system, problem));
   mju_scl(problem.duration, problem.duration, less, problem.size);
   const mjtNum centre = law::WaveformMoment(1, config.waveform_restitution);
   for (int k = 0; k < problem.size; ++k) {
@@ -91,10 +84,10 @@ bool SetCommonPulse(const Config& config, const IslandSystem& system, const Impa
   return AreShorter(problem, time.left());
 }
 
-// Solves the Hertz law with bodies that are as stiff as they must be to stay within their depth, y ~
-// W ~ K^(−2/5): the impulses of bodies that touch do not depend on it, only their times do. What closes
-// after a flight is left for later accordingly. Where all that is not enough, contacts share one pulse.
-// Returns whether the impulses come at once.
+// Solves the Hertz law with bodies that are as stiff as they must be to stay within their depth, y
+// ~ W ~ K^(−2/5): the impulses of bodies that touch do not depend on it, only their times do. What
+// closes after a flight is left for later accordingly. Where all that is not enough, contacts share
+// one pulse. Returns whether the impulses come at once.
 bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem& system,
                       ImpactTime time, IslandProblem& problem) {
   constexpr int kTrials = 8;
@@ -104,8 +97,7 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
     mjtNum less = std::min(CompressLess(m, system, problem), TurnLess(system, problem));
     if (config.restitution < 1) less = std::min(less, DentLess(system, problem));
     if (InstantRule(config) && less >= 1) {
-      at_once =
-          AreShorter(problem, time.timestep) && MayComeAtOnce(system, problem, time.left());
+      at_once = AreShorter(problem, time.timestep) && MayComeAtOnce(system, problem, time.left());
       if (!at_once) less = OverlapLess(config, system, problem);
     }
     if (less >= 1) return at_once;
@@ -171,13 +163,9 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   for (int k = 0; k < system.size; ++k) {
     const mjtNum P = problem.impulse[k];
     if (P <= 0) continue;
-    impacts[k] = {P,
-                  alpha[k],
-                  tau + problem.onset[k],
-                  problem.duration[k],
-                  problem.moment[k] + tau * P,
-                  at_once,
-                  {}};
+    impacts[k] = {
+        P,       alpha[k], tau + problem.onset[k], problem.duration[k], problem.moment[k] + tau * P,
+        at_once, {}};
   }
 }
 

@@ -5,9 +5,9 @@
 // motion, and neither saves plugin_state nor says which stage it is in. A later stage shows itself
 // by its time, half a step or a step after the first, and by another position or velocity.
 //
-// Where bodies are in a later stage no impact has happened yet, or only half of it: they may overlap
-// deeper than their depth, and MuJoCo's contact would push. Such contacts are silenced, unless both
-// bodies were held by contacts of MuJoCo when the step began.
+// Where bodies are in a later stage no impact has happened yet, or only half of it: they may
+// overlap deeper than their depth, and MuJoCo's contact would push. Such contacts are silenced,
+// unless both bodies were held by contacts of MuJoCo when the step began.
 
 #ifndef MUJOCO_IMPACT_ENGINE_RUNGE_KUTTA_H_
 #define MUJOCO_IMPACT_ENGINE_RUNGE_KUTTA_H_

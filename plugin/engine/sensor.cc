@@ -37,8 +37,7 @@ void AddPulse(const mjModel* m, const Ownership& ownership, const Pulse& pulse, 
   }
 }
 
-void WriteOutput(const mjModel* m, int instance, bool impacts, State& state,
-                 mjtNum* output) {
+void WriteOutput(const mjModel* m, int instance, bool impacts, State& state, mjtNum* output) {
   for (int i = 0; i < state.capacity(); ++i) {
     WriteRecord(state.record(i), output + kNumbersPerGeom * i);
   }

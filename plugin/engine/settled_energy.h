@@ -3,8 +3,8 @@
 //
 // With R the impulses yet to come along the rows J, the bodies will end with v + M⁻¹JᵀR and the
 // kinetic energy T_s = T(v + M⁻¹JᵀR): what the law decided. Delivering a part of R along J leaves
-// T_s as it is. But bodies that slide past each other turn the lines to J', so that the same R would
-// add or take energy,
+// T_s as it is. But bodies that slide past each other turn the lines to J', so that the same R
+// would add or take energy,
 //
 //   D = T(v + M⁻¹JᵀR) − T(v + M⁻¹J'ᵀR) = (v + ½ M⁻¹(J + J')ᵀR)ᵀ (J − J')ᵀR
 //
@@ -17,8 +17,8 @@
 // which gives e² of it back: all, if it is elastic. A law of ours: a rigid body has no such phase.
 //
 // Elastic bodies never have more than T_s before the end, for what is pressed into contacts is not
-// negative. Where waveforms would have it otherwise, one pulse parts what another has yet to stop: then
-// all that is left of that set comes in this step, and leaves T_s.
+// negative. Where waveforms would have it otherwise, one pulse parts what another has yet to stop:
+// then all that is left of that set comes in this step, and leaves T_s.
 
 #ifndef MUJOCO_IMPACT_ENGINE_SETTLED_ENERGY_H_
 #define MUJOCO_IMPACT_ENGINE_SETTLED_ENERGY_H_

@@ -19,8 +19,8 @@ namespace mujoco_impact::engine {
 
 static_assert(sizeof(mjtNum) == sizeof(double), "mujoco_impact needs a MuJoCo of double precision");
 
-// The line along which a pulse acts: where, from the origins of its two bodies, and the direction of
-// the force on the second. World frame.
+// The line along which a pulse acts: where, from the origins of its two bodies, and the direction
+// of the force on the second. World frame.
 struct LineOfAction {
   double normal[3];
   double arm[2][3];  // [m]
@@ -28,20 +28,20 @@ struct LineOfAction {
 
 // A pulse under way or, once delivered, the record of it until its slot is needed again.
 struct Pulse {
-  double serial;          // order of the pulse, from 1; 0: never used; negative: pending
-  double geom[2];         // ids; the normal points from the first to the second
-  double onset;           // on the clock [s]
-  double impulse;         // P_k [N s]
-  double alpha;           // P_k over the impulse of the waveform [-]
-  double duration;        // W [s]
-  double restitution;     // E of the waveform [-]
-  double delivered;       // part of the impulse delivered by the start of the step [-]
-  double delivered_next;  // and by its end; committed by advance
-  double scale;           // of what is not delivered, over that part of P_k (settled_energy.h) [-]
-  double scale_next;      // in this step; committed by advance
-  double finishing;       // 1: all that is left comes in this step
-  double point[2][3];     // where the force acts, in the frames of the two bodies [m]
-  double tangent[3];      // tangential impulse over P_k, on geom[1], world frame [-]
+  double serial;           // order of the pulse, from 1; 0: never used; negative: pending
+  double geom[2];          // ids; the normal points from the first to the second
+  double onset;            // on the clock [s]
+  double impulse;          // P_k [N s]
+  double alpha;            // P_k over the impulse of the waveform [-]
+  double duration;         // W [s]
+  double restitution;      // E of the waveform [-]
+  double delivered;        // part of the impulse delivered by the start of the step [-]
+  double delivered_next;   // and by its end; committed by advance
+  double scale;            // of what is not delivered, over that part of P_k (settled_energy.h) [-]
+  double scale_next;       // in this step; committed by advance
+  double finishing;        // 1: all that is left comes in this step
+  double point[2][3];      // where the force acts, in the frames of the two bodies [m]
+  double tangent[3];       // tangential impulse over P_k, on geom[1], world frame [-]
   LineOfAction line;       // in the last step, or at the onset
   LineOfAction line_next;  // in this step; committed by advance
 

@@ -65,7 +65,8 @@ def attach(
             whole scene travels in one step, and not less than a quarter of the width
             of the smallest owned geom. Doubles between two owned geoms.
         depth: Overlap at which MuJoCo's own contact takes over [m]: a resting geom
-            sinks that deep. Default: 1 % of half of the width of the smallest owned
+            sinks that deep. Impacts stay within half of it: pulses that would not are
+            shortened. Default: 1 % of half of the width of the smallest owned
             geom; if `duration` is longer than a Hertz contact, what bodies overlap
             during a pulse, but not more than 50 %. Doubles between two owned geoms.
         **settings: Settings of the impact law, see `mujoco_impact.settings.SETTINGS`;

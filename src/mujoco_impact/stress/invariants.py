@@ -24,8 +24,8 @@ PAIRS = 50_000
 """Pairs of balls, times steps, looked at together."""
 
 CHAOS = 1e-2
-"""A scene that makes more than this of a nudge of 1e-6, or of the error of a law that is
-solved to 1e-7, is chaotic: symmetries are not judged by it."""
+"""A scene that makes more than this of a nudge of 1e-6, or of the error of a law that
+is solved to 1e-7, is chaotic: symmetries are not judged by it."""
 
 NUDGES = 20.0
 """Changes that a symmetry may make, over what the nudge makes: errors are smaller, but
@@ -251,9 +251,9 @@ INVARIANTS = (
         "permutation",
         "the order of the bodies does not matter",
         SYMMETRIC,
-        "in parts of the fastest speed; where it is more, with the law at the tolerance "
-        "1e-8, and beyond 20 times what the scene makes of a change of 1e-6, or of "
-        "the tolerance 1e-7",
+        "in parts of the fastest speed; where it is more, with the law at the "
+        "tolerance 1e-8, and beyond 20 times what the scene makes of a change of 1e-6, "
+        "or of the tolerance 1e-7",
         permutation,
     ),
     Invariant(

@@ -12,20 +12,15 @@ from collections.abc import Callable
 import numpy as np
 
 from mujoco_impact.stress.evidence import Evidence
-from mujoco_impact.stress.invariants import energy_growth
 from mujoco_impact.stress.methods import FASTEST, OURS, depth_of
 from mujoco_impact.stress.scene import ARM
 
-DEEP = 0.3
-"""Way in a pulse, over the smallest radius, from which balls no longer meet as the law
-sees them: they press into each other, or pass each other, by their own size."""
-
-TURNING = 0.2
-"""Energy that a pulse may add, in parts of that at the start, over that way."""
-
-SLOW = 1e-4
+SLOW = 5e-7
 """Part of the closing speed that other forces may add while a pulse lasts, or in a
-step."""
+step: twice that is what they do to the energy."""
+
+HARD = 0.3
+"""Part of the closing speed by which other forces may change a speed within a step."""
 
 
 AMPLIFIED, MOST_ACCELERATION = 100.0, 1e10
@@ -54,30 +49,8 @@ class Limit:
     holds: Callable[[Evidence], bool]
 
 
-def way_in_pulse(evidence: Evidence) -> float:
-    """Returns the way of the fastest ball in the longest pulse, over a radius."""
-    run = evidence.run
-    if not run.impacts:
-        return 0.0
-    longest = max(impact.duration for impact in run.impacts)
-    fastest = float(np.linalg.norm(run.velocity, axis=2).max())
-    return longest * fastest / float(run.balls.radius.min())
-
-
-def outlasts_a_step(evidence: Evidence) -> bool:
-    """Whether any pulse is delivered in more than one step."""
-    case = evidence.case
-    return case.duration is not None or any(
-        impact.duration > case.timestep for impact in evidence.run.impacts
-    )
-
-
 def _diverges_alone(evidence: Evidence) -> bool:
     return bool(evidence.run.warnings) and bool(evidence.apart.warnings)
-
-
-def _presses_deep(evidence: Evidence) -> bool:
-    return way_in_pulse(evidence) > DEEP
 
 
 def _starts_deep(evidence: Evidence) -> bool:
@@ -88,27 +61,17 @@ def _starts_deep(evidence: Evidence) -> bool:
     return float(overlap.max()) > 2 * depth_of(case, balls)
 
 
-def _is_handed_over(evidence: Evidence) -> bool:
-    """Whether MuJoCo's contacts took part because balls overlap deeper than owned."""
-    case, run = evidence.case, evidence.run
-    if not run.native:
-        return False
-    way = way_in_pulse(evidence) * float(run.balls.radius.min())
-    if case.integrator == "RK4":
-        # positions in the middle of a step are not part of the motion
-        fastest = float(np.linalg.norm(run.velocity, axis=2).max())
-        way += fastest * case.timestep / 2
-    return way / np.pi > 2 * depth_of(case, run.balls)
-
-
-def _turns(evidence: Evidence) -> bool:
-    """Whether pulses turn with balls that slide past each other, and by little."""
-    case = evidence.case
-    collinear = case.joint in ("rail", "pendulum")
-    if collinear or not outlasts_a_step(evidence):
-        return False
-    growth = energy_growth(evidence)
-    return growth is None or growth <= TURNING * way_in_pulse(evidence)
+def _steady_change(evidence: Evidence) -> float:
+    """Returns the largest change of a velocity in a step without an impact [m/s]."""
+    run = evidence.run
+    change = float(np.abs(np.diff(evidence.apart.velocity, axis=0)).max())
+    steady = np.logical_and(run.quiet[:-1], run.quiet[1:])
+    steady = np.logical_and(steady, np.logical_not(run.struck))
+    if steady.any():
+        # a light ball that was struck may be pulled harder
+        struck = np.abs(np.diff(run.velocity, axis=0)[steady])
+        change = max(change, float(struck.max()))
+    return change
 
 
 def _is_pulled(evidence: Evidence) -> bool:
@@ -116,18 +79,21 @@ def _is_pulled(evidence: Evidence) -> bool:
     case = evidence.case
     if case.is_free or not evidence.run.impacts:
         return False
-    change = np.abs(np.diff(evidence.apart.velocity, axis=0)).max()
-    run = evidence.run
-    steady = run.quiet[:-1] & run.quiet[1:]
-    for impact in run.impacts:
-        step = int(impact.time / case.timestep)
-        steady[max(0, step - 1) : step + 2] = False
-    if steady.any():
-        # a light ball that was struck may be pulled harder
-        change = max(change, np.abs(np.diff(run.velocity, axis=0)[steady]).max())
-    longest = max(impact.duration for impact in run.impacts)
+    longest = max(impact.duration for impact in evidence.run.impacts)
     time = max(longest, case.timestep)
-    return bool(change / case.timestep * time > SLOW * case.speed)
+    return _steady_change(evidence) / case.timestep * time > SLOW * case.speed
+
+
+def _is_pulled_hard(evidence: Evidence) -> bool:
+    """Whether other forces reverse speeds within a step."""
+    case = evidence.case
+    return not case.is_free and _steady_change(evidence) > HARD * case.speed
+
+
+def _is_held(evidence: Evidence) -> bool:
+    """Whether constraints that the law does not know hold balls."""
+    case, run = evidence.case, evidence.run
+    return run.limited or (run.native and not case.is_free)
 
 
 def _runs_out_of_slots(evidence: Evidence) -> bool:
@@ -182,32 +148,25 @@ LIMITS = (
         _starts_deep,
     ),
     Limit(
-        "presses deep",
-        "balls travel more than 0.3 radii while a pulse lasts: too soft or too fast "
-        "for a Hertz contact, or a fixed duration too long",
-        frozenset({"finite", "momentum"}) | _ENERGY | _SYMMETRY | _SHAPE,
-        _presses_deep,
-    ),
-    Limit(
-        "handed over",
-        "balls overlap by more than the depth M while a pulse lasts, and MuJoCo's "
-        "contact takes over",
-        frozenset({"momentum"}) | _ENERGY | _SYMMETRY | _SHAPE,
-        _is_handed_over,
-    ),
-    Limit(
-        "turning pulse",
-        "a pulse longer than a step turns with balls that slide past each other, and "
-        "adds no more than 0.2 of the way they go in it over a radius",
-        _ENERGY,
-        _turns,
-    ),
-    Limit(
         "other forces",
-        "gravity or springs change the closing speed by more than 1e-4 while a pulse "
+        "gravity or springs change the closing speed by more than 5e-7 while a pulse "
         "lasts, or in a step: the law leaves them out",
         _ENERGY,
         _is_pulled,
+    ),
+    Limit(
+        "hard pull",
+        "forces other than impacts change a speed by more than 0.3 of the closing "
+        "speed in one step: no contact can be foreseen",
+        _SHAPE,
+        _is_pulled_hard,
+    ),
+    Limit(
+        "held",
+        "a joint limit holds a ball, or other forces press balls together and MuJoCo's "
+        "contact carries them: the law leaves both out",
+        _ENERGY | _SHAPE,
+        _is_held,
     ),
     Limit(
         "rattling",

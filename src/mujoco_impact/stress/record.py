@@ -29,7 +29,9 @@ class Record:
             (n_samples,); None where it is not conserved, or kinetic alone.
         quiet: Whether no contact force acts between a sample and its neighbours:
             every pulse is delivered and no contact is MuJoCo's, shape (n_samples,).
+        struck: Whether an impact began in a step, shape (n_samples - 1,).
         native: Whether MuJoCo's own contacts took part.
+        limited: Whether a joint limit held a ball.
         impacts: The impacts of the plugin.
         missed: Impacts without a record.
         warnings: What MuJoCo warned of.
@@ -41,7 +43,9 @@ class Record:
     velocity: Array
     energy: Array | None
     quiet: Array
+    struck: Array
     native: bool
+    limited: bool
     impacts: tuple[Impact, ...]
     missed: int
     warnings: tuple[str, ...]
@@ -82,18 +86,21 @@ def run_model(
     samples = case.steps + 1
     qpos, qvel = np.zeros((samples, model.nq)), np.zeros((samples, model.nv))
     busy = np.zeros(samples, dtype=bool)
+    struck = np.zeros(case.steps, dtype=bool)
     pulses = PulseReader(model, data)
     until = -np.inf
     qpos[0], qvel[0] = data.qpos, data.qvel
-    native, seen = False, 0
+    native, limited, seen = False, False, 0
     with collected_warnings() as messages:
         for step in range(case.steps):
             mujoco.mj_step(model, data)
             qpos[step + 1], qvel[step + 1] = data.qpos, data.qvel
             # a step finds the contacts of the state that it starts from
+            limited = limited or _is_limiting(data)
             if _is_pushing(data):
                 busy[step] = busy[step + 1] = native = True
             pulses.poll()
+            struck[step] = len(pulses.impacts) > seen
             for impact in pulses.impacts[seen:]:
                 until = max(until, impact.time + impact.duration)
             seen = len(pulses.impacts)
@@ -107,7 +114,9 @@ def run_model(
         velocity=velocities(case, balls, qpos, qvel),
         energy=_energies_of(case, model, qpos, qvel),
         quiet=~busy,
+        struck=struck,
         native=native,
+        limited=limited,
         impacts=tuple(pulses.impacts),
         missed=pulses.missed,
         warnings=tuple(messages),
@@ -121,6 +130,12 @@ def _is_pushing(data: mujoco.MjData) -> bool:
         return False
     address = data.contact.efc_address
     return bool(np.any(data.efc_force[address[address >= 0]]))
+
+
+def _is_limiting(data: mujoco.MjData) -> bool:
+    """Whether a joint limit exerts a force."""
+    limits = data.efc_type == mujoco.mjtConstraint.mjCNSTR_LIMIT_JOINT
+    return bool(np.any(data.efc_force[limits]))
 
 
 def _energies_of(
