@@ -23,7 +23,8 @@ mjtNum DurationFromMoment(mjtNum impulse, mjtNum moment, mjtNum onset, mjtNum re
   return std::max(kShortest, (moment / impulse - onset) / law::WaveformMoment(1, restitution));
 }
 
-void SolveHertz(const Config& config, const IslandSystem& system, const ImpactTime& time,
+// False if the law had to cut the impact.
+bool SolveHertz(const Config& config, const IslandSystem& system, const ImpactTime& time,
                 IslandProblem& problem) {
   const law::ImpactProblem impact{system.delassus,   problem.closing_speed, problem.gap,
                                   problem.stiffness, config.restitution,    config.dissipation,
@@ -32,12 +33,14 @@ void SolveHertz(const Config& config, const IslandSystem& system, const ImpactTi
     mju_zero(solution, problem.size);
   }
   law::ImpactSolution solution{problem.impulse, problem.moment, problem.onset, problem.after};
-  law::SolveImpact(impact, config.passive, &solution, problem.work);
+  const law::ImpactReport report =
+      law::SolveImpact(impact, config.passive, &solution, problem.work);
   for (int k = 0; k < problem.size; ++k) {
     if (problem.impulse[k] <= 0) continue;
     problem.duration[k] = DurationFromMoment(problem.impulse[k], problem.moment[k],
                                              problem.onset[k], config.waveform_restitution);
   }
+  return report.converged;
 }
 
 // P_k = α_k P on every contact that touches (10)-(12), made passive.
@@ -93,7 +96,7 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
   constexpr int kTrials = 8;
   bool at_once = false;
   for (int i = 0;; ++i) {
-    SolveHertz(config, system, time, problem);
+    const bool over = SolveHertz(config, system, time, problem);
     mjtNum less = std::min(CompressLess(m, system, problem), TurnLess(system, problem));
     if (config.restitution < 1) less = std::min(less, DentLess(system, problem));
     if (InstantRule(config) && less >= 1) {
@@ -101,7 +104,8 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
       if (!at_once) less = OverlapLess(config, system, problem);
     }
     if (less >= 1) return at_once;
-    if (i == kTrials) break;
+    // an impact that does not end is none of stiffness
+    if (i == kTrials || !over) break;
     if (i > 0) less *= 0.5;  // gaps do not shrink along
     mju_scl(problem.stiffness, problem.stiffness, std::pow(less, -2.5), problem.size);
     time.flight *= less;

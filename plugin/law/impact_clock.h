@@ -24,8 +24,8 @@ constexpr double kSpeedFloor = 0.1;
 constexpr double kSameImpactTimes = 5;
 
 // Steps after which an impact that does not end is cut: light bodies that rattle between heavy ones
-// take 1e4, a wave takes 13 a contact.
-inline int MaxSteps(int size) { return 100000 + 100 * size; }
+// take 1e4, a wave takes 13 a contact. What still closes then is an impact of its own.
+inline int MaxSteps(int size) { return 20000 + 100 * size; }
 
 // Whether every contact has opened, or will not close in time, at time t.
 bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Lanes& lanes, double t);
