@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from pulse_scenes import finite, in_mid_pulse, momentum, row
 
+from mujoco_impact.pulses import LAYOUT_VERSION
 from mujoco_impact.runner import collected_warnings
 
 FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
@@ -47,7 +48,7 @@ def test_a_state_of_zeros_begins_anew_without_a_warning(mid_pulse):
     with collected_warnings() as messages:
         mujoco.mj_step(model, data)
     assert not messages
-    assert data.plugin_state[0] == 1
+    assert data.plugin_state[0] == LAYOUT_VERSION
     assert finite(data)
 
 

@@ -48,9 +48,6 @@ def cases(draw) -> Case:
     """Small scenes, so that hypothesis shrinks to something readable."""
     layout = draw(st.sampled_from(LAYOUTS))
     joints = ("free", "slides", "rail") if layout == "row" else ("free", "slides")
-    # Steel balls whose contacts end within a step. Pulses over several steps change
-    # energies in clusters and rings by more than their way in it accounts for: open,
-    # see the seeds in docs/stress.md.
     speed = draw(st.sampled_from((0.1, 1.0, 5.0)))
     return dataclasses.replace(
         case_of(0),
@@ -61,18 +58,18 @@ def cases(draw) -> Case:
         radius=draw(st.sampled_from((0.01, 0.03))),
         radius_ratio=draw(st.sampled_from((1.0, 2.0))),
         density=7800.0,
-        mass_ratio=draw(st.sampled_from((1.0, 3.0, 10.0))),
-        young=2e11,
-        restitution=draw(st.sampled_from((1.0, 0.9, 0.75))),
+        mass_ratio=draw(st.sampled_from((1.0, 3.0, 10.0, 100.0))),
+        young=draw(st.sampled_from((2e11, 1e7))),
+        restitution=draw(st.sampled_from((1.0, 0.9, 0.5, 0.05))),
         dissipation=draw(st.sampled_from(("bistiffness", "viscous"))),
-        duration=None,
-        timestep=draw(st.sampled_from((5e-3, 2e-2))),
+        duration=draw(st.sampled_from((None, 2e-4, 3e-2))),
+        timestep=draw(st.sampled_from((2e-4, 5e-3, 2e-2))),
         integrator=draw(st.sampled_from(INTEGRATORS)),
         speed=speed,
         gap=draw(st.sampled_from((0.0, 1e-6, 1e-3))),
         overlap=0.0,
         features=(),
-        steps=16,
+        steps=60,
     )
 
 
@@ -141,11 +138,12 @@ def test_each_invariant_sees_its_own_damage(elastic):
     through[-1, [0, 1]] = through[-2, [1, 0]]
     pull = (dataclasses.replace(run.impacts[0], impulse=-1.0), *run.impacts)
     quiet = np.ones_like(run.quiet)
+    kinetic = 0.5 * run.balls.mass @ np.sum(run.velocity[0] ** 2, axis=1)
     for name, changes in (
         ("finite", {"position": nan}),
         ("momentum", {"velocity": faster}),
         ("energy growth", {"velocity": faster, "quiet": quiet}),
-        ("elastic energy", {"energy": np.linspace(1, 2, len(quiet))}),
+        ("elastic energy", {"energy": kinetic * np.linspace(1, 2, len(quiet))}),
         ("no pull", {"impacts": pull}),
         ("no passing", {"position": through}),
         ("same bits", {"bits": b""}),
@@ -158,6 +156,7 @@ def test_each_invariant_sees_its_own_damage(elastic):
 
 def test_symmetries_see_an_image_that_does_something_else(elastic):
     image = Evidence(elastic.case)
+    image.__dict__["fine"] = (image, image)
     for name in ("permuted", "mirrored"):
         record = getattr(elastic, name)
         changed = dataclasses.replace(record, velocity=1.01 * record.velocity)
