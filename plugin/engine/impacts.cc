@@ -15,6 +15,7 @@
 #include "engine/ownership.h"
 #include "engine/resolve.h"
 #include "engine/slots.h"
+#include "engine/struck.h"
 #include "law/impact_clock.h"
 
 namespace mujoco_impact::engine {
@@ -27,9 +28,6 @@ constexpr int kMaxRounds = 32;
 // Of a step: contacts that close after a shorter flight than this belong to the same impact. The
 // lever arms are then off by the square of the angle turned meanwhile: 1e-2 of that of a step.
 constexpr mjtNum kSameImpact = 0.1;
-
-// Marks of kinematic trees within a round.
-constexpr int kUntouched = 0, kAtHand = 1, kStruck = 2;
 
 // Of a step: pulses under way that end before it are taken as impulses that have come.
 constexpr mjtNum kShortPulses = 0.5;
@@ -47,12 +45,7 @@ class Resolver {
         delivery_(delivery),
         scratch_(scratch),
         contacts_(GatherContacts(m, d, ownership_, scratch)),
-        busy_(scratch.Take<mjtNum>(m->ntree)),
-        mark_(scratch.Take<int>(m->ntree)),
-        kicked_{scratch.Take<mjtNum>(m->nv), nullptr, nullptr},
-        owed_(scratch.Zeros(static_cast<int>(m->nv))) {
-    std::fill_n(busy_, m->ntree, -m->opt.timestep);  // before any closing, late ones included
-  }
+        struck_(m, d, mobility, scratch) {}
 
   void Run();
 
@@ -62,14 +55,9 @@ class Resolver {
                        int count);
   void ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
   ImpactTime FirstClosing(const Outlook& outlook, const int* position, int count) const;
-  template <typename Visit>
-  void ForStruck(const ContactRow& row, Visit visit) const;
   void AddImpact(const ContactRow& row, const Impact& impact);
-  bool IsReached(const int* position, int count, mjtNum tau);
   void AnchorAll();
-  void MarkPulses(mjtNum end);
   mjtNum Reach(const Outlook& outlook);
-  bool WasStruck(int k) const;
   bool MoreMayClose(const Outlook& outlook);
 
   const mjModel* m_;
@@ -81,28 +69,11 @@ class Resolver {
   Delivery& delivery_;
   Scratch& scratch_;
   Gathered contacts_;
-  mjtNum* busy_;   // until when each tree is taken by an impact [s from the start of the step]
-  int* mark_;      // mark of each tree
-  Motion kicked_;  // the path of the round with the velocity its impacts left
-  mjtNum* owed_;   // velocity that new pulses will add after this step (nv)
-  bool owes_ = false;
+  Struck struck_;
   bool last_ = false;  // no further round is possible
   mjtNum flight_ = 0;
   mjtNum round_end_ = 0;  // when the first impact of the round is over
 };
-
-// Visits the trees that an impulse of the contact moves.
-template <typename Visit>
-void Resolver::ForStruck(const ContactRow& row, Visit visit) const {
-  for (const RowSegment& segment : row.segment) {
-    if (segment.tree < 0) continue;
-    visit(segment.tree);
-    if (mobility_.ties() == 0) continue;
-    for (int tree = 0; tree < m_->ntree; ++tree) {
-      if (mobility_.AreTied(tree, segment.tree)) visit(tree);
-    }
-  }
-}
 
 // Delivers the part of a new pulse that belongs to this step: all of it, by its moment, if the
 // impact comes at once.
@@ -115,12 +86,7 @@ void Resolver::AddImpact(const ContactRow& row, const Impact& impact) {
   AddRowTransposed(m_, row, share.impulse, delivery_.impulse);
   AddRowTransposed(m_, row, share.moment, delivery_.moment);
   AddRowTransposed(m_, row, SecondMoment(share), delivery_.second);
-  const mjtNum rest = impact.impulse - share.impulse;
-  owes_ = owes_ || rest > 0;
-  Scratch scratch(d_);
-  AddAnswer(m_, mobility_, row, share.impulse, kicked_.velocity, scratch);
-  AddAnswer(m_, mobility_, row, rest, owed_, scratch);
-  ForStruck(row, [this](int tree) { mark_[tree] = kStruck; });
+  struck_.Add(row, share.impulse, impact.impulse - share.impulse);
 }
 
 ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, int count) const {
@@ -175,7 +141,7 @@ bool Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
   round_end_ = std::min(round_end_, end);
   for (int k = 0; k < count; ++k) {
     if (impacts[k].impulse <= 0) continue;
-    ForStruck(system.row[k], [&](int tree) { busy_[tree] = end; });
+    struck_.TakeUntil(system.row[k], end);
   }
   return true;
 }
@@ -217,10 +183,7 @@ void Resolver::ResolveRound(const Outlook& outlook) {
   const Islands islands = FindIslands(m_, d_, mobility_, contacts_.contact, contacts_.due,
                                       contacts_.near, contacts_.count, scratch);
   round_end_ = m_->opt.timestep;
-  std::fill_n(mark_, m_->ntree, kUntouched);
-  mju_copy(kicked_.velocity, outlook.motion.velocity, m_->nv);
-  kicked_.acceleration = outlook.motion.acceleration;
-  kicked_.jerk = outlook.motion.jerk;
+  struck_.BeginRound(outlook.motion);
 
   // in order of time, so that an island that the impacts before may reach can wait for its turn
   ImpactTime* times = scratch.Take<ImpactTime>(islands.number);
@@ -237,41 +200,9 @@ void Resolver::ResolveRound(const Outlook& outlook) {
     const int* position = islands.position + islands.start[island];
     const int count = islands.start[island + 1] - islands.start[island];
     const bool may_wait = i > 0 && !last_ && round_end_ < m_->opt.timestep;
-    if (may_wait && IsReached(position, count, times[island].tau)) break;
+    if (may_wait && struck_.MayReach(contacts_, position, count, times[island].tau)) break;
     ResolveFirstOf(outlook, times[island], position, count);
   }
-}
-
-// Whether a body struck in this round may reach the island before it closes at τ.
-bool Resolver::IsReached(const int* position, int count, mjtNum tau) {
-  constexpr mjtNum kSafety =
-      0.8;  // the estimate knows neither when the body was struck nor gravity
-  for (int k = 0; k < count; ++k) {
-    for (const int tree : TreesOf(m_, d_->contact[contacts_.contact[position[k]]]).tree) {
-      if (tree >= 0) mark_[tree] = kAtHand;
-    }
-  }
-  bool reached = false;
-  for (int k = 0; k < contacts_.count && !reached; ++k) {
-    const auto [first, second] = TreesOf(m_, d_->contact[contacts_.contact[k]]).tree;
-    if (first < 0 || second < 0 || mark_[first] + mark_[second] != kAtHand + kStruck) continue;
-    const ContactPath path(m_, d_, Anchor(m_, d_, contacts_, k), kicked_);
-    reached = kSafety * path.Gap(0) < -path.GapRate(0) * tau;
-  }
-  for (int k = 0; k < count; ++k) {
-    for (const int tree : TreesOf(m_, d_->contact[contacts_.contact[position[k]]]).tree) {
-      if (tree >= 0) mark_[tree] = kUntouched;
-    }
-  }
-  return reached;
-}
-
-// Whether an impact of this step has changed the velocity of one of the bodies of contact k.
-bool Resolver::WasStruck(int k) const {
-  for (const int tree : TreesOf(m_, d_->contact[contacts_.contact[k]]).tree) {
-    if (tree >= 0 && busy_[tree] > -m_->opt.timestep) return true;
-  }
-  return false;
 }
 
 // Whether any contact may close before the end of the step with the velocity the impacts left:
@@ -280,9 +211,10 @@ bool Resolver::MoreMayClose(const Outlook& outlook) {
   const mjtNum time_left = m_->opt.timestep - outlook.start;
   bool any = false;
   for (int k = 0; k < contacts_.count; ++k) {
-    contacts_.relevant[k] = (contacts_.due[k] || WasStruck(k)) && !contacts_.idle[k];
+    const bool moved = struck_.Moved(d_->contact[contacts_.contact[k]]);
+    contacts_.relevant[k] = (contacts_.due[k] || moved) && !contacts_.idle[k];
     if (any || !contacts_.relevant[k]) continue;
-    const ContactPath path(m_, d_, Anchor(m_, d_, contacts_, k), kicked_);
+    const ContactPath path(m_, d_, Anchor(m_, d_, contacts_, k), struck_.kicked());
     any = path.GapRate(0) < 0 && path.Gap(0) + time_left * path.GapRate(0) < -config_.touch;
   }
   return any;
@@ -290,18 +222,6 @@ bool Resolver::MoreMayClose(const Outlook& outlook) {
 
 void Resolver::AnchorAll() {
   for (int k = 0; k < contacts_.count; ++k) Anchor(m_, d_, contacts_, k);
-}
-
-// Takes the bodies of pulses under way as busy until those end.
-void Resolver::MarkPulses(mjtNum end) {
-  for (int i = 0; i < state_.slots(); ++i) {
-    const Pulse& pulse = state_.pulse(i);
-    if (!pulse.under_way()) continue;
-    for (const double geom : pulse.geom) {
-      const int tree = m_->body_treeid[m_->geom_bodyid[static_cast<int>(geom)]];
-      if (tree >= 0) busy_[tree] = end;
-    }
-  }
 }
 
 void Resolver::Run() {
@@ -314,18 +234,18 @@ void Resolver::Run() {
   BodiesInStep bodies(m_, d_, mobility_, start, scratch_);
   if (pulses_end > 0 && !bent) {
     AnchorAll();
-    MarkPulses(pulses_end);
+    struck_.TakeForPulses(state_, pulses_end);
     outlook = bodies.MoveTo(pulses_end, delivery_);
   }
   for (int round = 0; round < kMaxRounds; ++round) {
-    if (!FindDue(m_, d_, outlook, config_.touch, busy_, contacts_, scratch_)) return;
+    if (!FindDue(m_, d_, outlook, config_.touch, struck_.busy(), contacts_, scratch_)) return;
     last_ = round == kMaxRounds - 1 || bent;
     flight_ = last_ ? std::numeric_limits<mjtNum>::infinity() : kSameImpact * h;
     ResolveRound(outlook);
     if (last_ || round_end_ >= h || !MoreMayClose(outlook)) return;
     AnchorAll();
     outlook = bodies.MoveTo(round_end_, delivery_);
-    if (owes_) outlook.arrears = owed_;
+    if (struck_.owed()) outlook.arrears = struck_.owed();
   }
 }
 
