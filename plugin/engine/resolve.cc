@@ -93,7 +93,7 @@ bool SetCommonPulse(const Config& config, const IslandSystem& system, const Impa
 // one pulse. Returns whether the impulses come at once.
 bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem& system,
                       ImpactTime time, IslandProblem& problem) {
-  constexpr int kTrials = 8;
+  constexpr int kTrials = 5;
   bool at_once = false;
   for (int i = 0;; ++i) {
     const bool over = SolveHertz(config, system, time, problem);
@@ -106,7 +106,7 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
     if (less >= 1) return at_once;
     // an impact that does not end is none of stiffness
     if (i == kTrials || !over) break;
-    if (i > 0) less *= 0.5;  // gaps do not shrink along
+    if (i > 0) less *= 0.25;  // gaps do not shrink along
     mju_scl(problem.stiffness, problem.stiffness, std::pow(less, -2.5), problem.size);
     time.flight *= less;
   }
