@@ -73,6 +73,7 @@ class Resolver {
   bool last_ = false;  // no further round is possible
   mjtNum flight_ = 0;
   mjtNum round_end_ = 0;  // when the first impact of the round is over
+  mjtNum left_ = 0;       // when the first contact closes that took no part in it
 };
 
 // Delivers the part of a new pulse that belongs to this step: all of it, by its moment, if the
@@ -134,7 +135,11 @@ bool Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
       impacts[k].at_once = true;
       impacts[k].moment = impacts[k].impulse * (time.start + time.tau);
     }
-    if (impacts[k].impulse <= 0) continue;
+    if (impacts[k].impulse <= 0) {
+      const int i = position[k];
+      if (contacts_.due[i]) left_ = std::min(left_, time.start + contacts_.tau[i]);
+      continue;
+    }
     AddImpact(system.row[k], impacts[k]);
     end = std::max(end, impacts[k].onset + impacts[k].duration);
   }
@@ -182,7 +187,7 @@ void Resolver::ResolveRound(const Outlook& outlook) {
   FindNear(m_, d_, outlook, Reach(outlook), contacts_);
   const Islands islands = FindIslands(m_, d_, mobility_, contacts_.contact, contacts_.due,
                                       contacts_.near, contacts_.count, scratch);
-  round_end_ = m_->opt.timestep;
+  round_end_ = left_ = m_->opt.timestep;
   struck_.BeginRound(outlook.motion);
 
   // in order of time, so that an island that the impacts before may reach can wait for its turn
@@ -214,8 +219,13 @@ bool Resolver::MoreMayClose(const Outlook& outlook) {
     const bool moved = struck_.Moved(d_->contact[contacts_.contact[k]]);
     contacts_.relevant[k] = (contacts_.due[k] || moved) && !contacts_.idle[k];
     if (any || !contacts_.relevant[k]) continue;
-    const ContactPath path(m_, d_, Anchor(m_, d_, contacts_, k), struck_.kicked());
-    any = path.GapRate(0) < 0 && path.Gap(0) + time_left * path.GapRate(0) < -config_.touch;
+    const ContactAnchor& anchor = Anchor(m_, d_, contacts_, k);
+    const mjtNum rate = ContactPath(m_, d_, anchor, struck_.kicked()).GapRate(0);
+    if (rate >= 0) continue;
+    // until then on the path before, whose velocity may have been another
+    const ContactPath before(m_, d_, anchor, outlook.motion);
+    const mjtNum gap = std::min(before.Gap(0), before.Gap(round_end_ - outlook.start));
+    any = gap + time_left * rate < -config_.touch;
   }
   return any;
 }
@@ -242,6 +252,8 @@ void Resolver::Run() {
     last_ = round == kMaxRounds - 1 || bent;
     flight_ = last_ ? std::numeric_limits<mjtNum>::infinity() : kSameImpact * h;
     ResolveRound(outlook);
+    // a pulse that outlasts the step does not keep others from closing meanwhile
+    if (round_end_ >= h && left_ > outlook.start) round_end_ = left_;
     if (last_ || round_end_ >= h || !MoreMayClose(outlook)) return;
     AnchorAll();
     outlook = bodies.MoveTo(round_end_, delivery_);

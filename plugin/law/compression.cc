@@ -266,7 +266,7 @@ ImpactReport Integrator::Run() {
   ImpactReport report{0, true};
   int turns = 0;
   while (!IsOver(problem_, scale_, lanes_, t_)) {
-    if (report.steps == MaxSteps(problem_.delassus.size)) {
+    if (report.steps == MaxSteps(problem_)) {
       report.converged = false;
       break;
     }

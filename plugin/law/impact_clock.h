@@ -25,7 +25,10 @@ constexpr double kSameImpactTimes = 5;
 
 // Steps after which an impact that does not end is cut: light bodies that rattle between heavy ones
 // take 1e4, a wave takes 13 a contact. What still closes then is an impact of its own.
-inline int MaxSteps(int size) { return 20000 + 100 * size; }
+inline int MaxSteps(const ImpactProblem& problem) {
+  const int most = 100000 + 100 * problem.delassus.size;
+  return problem.step_limit > 0 ? std::min(problem.step_limit, most) : most;
+}
 
 // Whether every contact has opened, or will not close in time, at time t.
 bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Lanes& lanes, double t);

@@ -50,7 +50,8 @@ ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolut
   if (!passive) return report;
   const double s = ConservativeScale(problem.delassus, problem.closing_speed, solution->impulse,
                                      workspace.numbers);
-  const double factor = problem.restitution == 1 && report.converged ? s : std::min(1.0, s);
+  // also one that was cut: what is pressed into contacts then is given back
+  const double factor = problem.restitution == 1 ? s : std::min(1.0, s);
   if (s > 0) {
     Scale(factor, n, solution->impulse);
     Scale(factor, n, solution->moment);

@@ -43,6 +43,7 @@ struct ImpactProblem {
   // but for what belongs to the same impact (impact_clock.h)
   double horizon, flight;
   double tolerance;  // error allowed per step, relative to the speed and compression of the impact
+  int step_limit = 0;  // steps after which the impact is cut; 0: as many as any known one takes
 };
 
 // Arrays of `size`, owned by the caller.

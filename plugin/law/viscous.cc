@@ -144,7 +144,7 @@ ImpactReport Integrator::Run() {
   double h = first_step;
   ImpactReport report{0, true};
   while (!IsOver(problem_, scale_, lanes_, t_)) {
-    if (report.steps == MaxSteps(problem_.delassus.size)) {
+    if (report.steps == MaxSteps(problem_)) {
       report.converged = false;
       break;
     }
