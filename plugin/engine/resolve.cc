@@ -23,20 +23,24 @@ mjtNum DurationFromMoment(mjtNum impulse, mjtNum moment, mjtNum onset, mjtNum re
   return std::max(kShortest, (moment / impulse - onset) / law::WaveformMoment(1, restitution));
 }
 
-// Impacts with losses may rattle on for long, for ever less: they are cut, and what still closes is
-// an impact of its own. One without losses would have its energy to lose.
-int StepLimit(const Config& config, int size) {
-  return config.restitution < 1 ? 20000 + 100 * size : 0;
+// Impacts with losses may rattle on for long, for ever less, and a step of an island of thousands
+// of contacts costs as many of a small one: impacts are cut, and what still closes is one of its
+// own.
+int StepLimit(const mjModel* m, const Config& config, const IslandSystem& system) {
+  const bool lossy = config.restitution < 1;
+  const double most = (lossy ? 20000 : 100000) + 100.0 * system.size;
+  const double least = std::min(most, 2000 + 20.0 * m->ntree);
+  const double work = lossy ? 1e8 : 5e8;  // couplings [steps × nonzeros of W]
+  return static_cast<int>(std::clamp(work / system.delassus.row_start[system.size], least, most));
 }
 
 // False if the law had to cut the impact.
-bool SolveHertz(const Config& config, const IslandSystem& system, const ImpactTime& time,
-                IslandProblem& problem) {
-  const law::ImpactProblem impact{system.delassus,    problem.closing_speed,
-                                  problem.gap,        problem.stiffness,
-                                  config.restitution, config.dissipation,
-                                  time.left(),        time.flight,
-                                  config.tolerance,   StepLimit(config, problem.size)};
+bool SolveHertz(const mjModel* m, const Config& config, const IslandSystem& system,
+                const ImpactTime& time, IslandProblem& problem) {
+  const law::ImpactProblem impact{
+      system.delassus,    problem.closing_speed,       problem.gap, problem.stiffness,
+      config.restitution, config.dissipation,          time.left(), time.flight,
+      config.tolerance,   StepLimit(m, config, system)};
   for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset}) {
     mju_zero(solution, problem.size);
   }
@@ -104,7 +108,7 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
   constexpr int kTrials = 5;
   bool at_once = false;
   for (int i = 0;; ++i) {
-    const bool over = SolveHertz(config, system, time, problem);
+    const bool over = SolveHertz(m, config, system, time, problem);
     mjtNum less = std::min(CompressLess(m, system, problem), TurnLess(system, problem));
     if (config.restitution < 1) less = std::min(less, DentLess(system, problem));
     if (InstantRule(config) && less >= 1) {
@@ -120,6 +124,15 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
     time.flight *= less;
   }
   return SetCommonPulse(config, system, time, EndOf(problem), problem);
+}
+
+// −ΔT over the sum of impulses.
+mjtNum LossPerImpulse(const IslandSystem& system, const IslandProblem& problem) {
+  const mjtNum change = law::KineticEnergyChange(system.delassus, problem.closing_speed,
+                                                 problem.impulse, problem.work.numbers);
+  mjtNum sum = 0;
+  for (int k = 0; k < problem.size; ++k) sum += problem.impulse[k];
+  return sum > 0 ? std::max<mjtNum>(0, -change) / sum : 0;
 }
 
 }  // namespace
@@ -173,12 +186,18 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
     at_once = SetCommonPulse(config, system, time, W, problem);
   }
   const mjtNum tau = time.start + time.tau;
+  const mjtNum loss = LossPerImpulse(system, problem);
   for (int k = 0; k < system.size; ++k) {
     const mjtNum P = problem.impulse[k];
     if (P <= 0) continue;
-    impacts[k] = {
-        P,       alpha[k], tau + problem.onset[k], problem.duration[k], problem.moment[k] + tau * P,
-        at_once, {}};
+    impacts[k] = {P,
+                  alpha[k],
+                  tau + problem.onset[k],
+                  problem.duration[k],
+                  problem.moment[k] + tau * P,
+                  loss * P,
+                  at_once,
+                  {}};
   }
 }
 

@@ -20,6 +20,7 @@ struct Impact {
   mjtNum onset;     // [s]
   mjtNum duration;  // W [s]
   mjtNum moment;    // ∫ t F dt [N s²], if the law knows it better than the waveform
+  mjtNum loss;      // of kinetic energy, by the part of the impulse in that of the island [J]
   bool at_once;     // shorter than the step: deliver it whole, by its moment
   Vector3 tangent;  // tangential impulse over P_k, on geom[1] (friction.h) [-]
 };

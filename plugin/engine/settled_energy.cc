@@ -94,29 +94,32 @@ void AddScaled(const mjModel* m, const mjData* d, State& state, bool of_step, mj
   });
 }
 
-// Ends the elastic sets of pulses that would have more energy after this step than in the end.
+// Ends the sets of pulses that have more energy, or would after this step, than they are to leave
+// and their impacts still lose, as they may where a new impact came between.
 void EndOverfull(const mjModel* m, const mjData* d, const Mobility& mobility, TreeSets& sets,
                  State& state, Scratch& scratch) {
   mjtNum* impulse[2] = {scratch.Zeros(m->nv), scratch.Zeros(m->nv)};
   mjtNum* change[2] = {scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv)};
-  // work of the step less that of all there is to come
-  mjtNum* excess = scratch.Zeros(m->ntree);
-  mjtNum* work = scratch.Zeros(m->ntree);
   for (const bool of_step : {false, true}) {
     AddScaled(m, d, state, of_step, impulse[of_step]);
     mobility.Solve(change[of_step], impulse[of_step]);
   }
+  // work of the step, of all there is to come, and energy that may be lost
+  mjtNum* work = scratch.Zeros(m->ntree);
+  mjtNum* all = scratch.Zeros(m->ntree);
+  mjtNum* loss = scratch.Zeros(m->ntree);
   for (int tree = 0; tree < m->ntree; ++tree) {
-    const int set = sets.Root(tree);
-    const mjtNum of_step = Work(m, d, tree, impulse[1], change[1]);
-    work[set] += of_step;
-    excess[set] += of_step - Work(m, d, tree, impulse[0], change[0]);
+    work[sets.Root(tree)] += Work(m, d, tree, impulse[1], change[1]);
+    all[sets.Root(tree)] += Work(m, d, tree, impulse[0], change[0]);
   }
+  ForPulsesUnderWay(state,
+                    [&](Pulse& pulse) { loss[sets.Root(MovingTree(m, pulse))] += pulse.loss; });
   ForPulsesUnderWay(state, [&](Pulse& pulse) {
     const int set = sets.Root(MovingTree(m, pulse));
-    // what is rounding ends nothing
-    const bool overfull = excess[set] > 1e-9 * std::abs(work[set]) && work[set] > 0;
-    if (pulse.restitution >= 1 && overfull) pulse.finishing = 1;
+    const mjtNum rounding = 1e-9 * (std::abs(work[set]) + std::abs(all[set]));
+    const bool will_be = work[set] > std::max<mjtNum>(all[set] + loss[set], 0) + rounding;
+    const bool is = all[set] < -loss[set] - rounding;
+    if (will_be || is) pulse.finishing = 1;
   });
 }
 

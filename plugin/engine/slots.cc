@@ -51,6 +51,7 @@ Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, co
   pulse.alpha = impact.alpha;
   pulse.duration = impact.duration;
   pulse.restitution = config.waveform_restitution;
+  pulse.loss = impact.loss;
   pulse.scale = 1;
   Store(row.normal, pulse.line.normal);
   Store(impact.tangent, pulse.tangent);

@@ -40,6 +40,7 @@ struct Pulse {
   double scale;            // of what is not delivered, over that part of P_k (settled_energy.h) [-]
   double scale_next;       // in this step; committed by advance
   double finishing;        // 1: all that is left comes in this step
+  double loss;             // kinetic energy that its impact loses, by the part of its impulse [J]
   double point[2][3];      // where the force acts, in the frames of the two bodies [m]
   double tangent[3];       // tangential impulse over P_k, on geom[1], world frame [-]
   LineOfAction line;       // in the last step, or at the onset

@@ -12,7 +12,7 @@ FOUND = {
     "a turning pulse added energy": (
         "1305 2093 2181 2378 2476 2732 5920 6059 8071 9528 9777"
     ),
-    "one pulse parted what another had yet to stop": "5997 8949",
+    "one pulse parted what another had yet to stop": "3064 5997 8949",
     # bodies too soft, too fast, or with fixed pulses too long for their depth
     "pulses let balls through": (
         "49 321 342 344 388 465 1027 1367 1378 4028 4477 4718 5603 7688 7776 7869 7930"

@@ -32,6 +32,10 @@ RATTLING, LIGHT = 0.7, 5.0
 ones rattles for many contact times before they all go together."""
 
 
+UNEQUAL = 1e3
+"""Mass ratio from which on a blow in the middle of a pulse may add energy."""
+
+
 @dataclasses.dataclass(frozen=True)
 class Limit:
     """One documented limit.
@@ -111,6 +115,21 @@ def _rattles(evidence: Evidence) -> bool:
     )
 
 
+def _is_struck_in_mid_pulse(evidence: Evidence) -> bool:
+    """Whether very unequal balls are struck again while a long pulse acts on them."""
+    mass, timestep = evidence.run.balls.mass, evidence.case.timestep
+    if mass.max() < UNEQUAL * mass.min():
+        return False
+    impacts = evidence.run.impacts
+    return any(
+        first.duration > timestep
+        and first.time < second.time < first.time + first.duration
+        and set(first.geoms) & set(second.geoms)
+        for first in impacts
+        for second in impacts
+    )
+
+
 def _spins(evidence: Evidence) -> bool:
     """Whether a hinge turns by more than the path within a step can follow."""
     case = evidence.case
@@ -174,6 +193,13 @@ LIMITS = (
         "bounces until all go together, for up to 100 contact times and more",
         frozenset({"pulse length"}) | _SYMMETRY,
         _rattles,
+    ),
+    Limit(
+        "struck in mid-pulse",
+        "a ball is struck again while a pulse of more than a step acts on it, masses "
+        "1:1000 and more: the lines may turn before the pulse has done its work",
+        _ENERGY,
+        _is_struck_in_mid_pulse,
     ),
     Limit(
         "spins",
