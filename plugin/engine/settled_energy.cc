@@ -104,19 +104,22 @@ void EndOverfull(const mjModel* m, const mjData* d, const Mobility& mobility, Tr
     AddScaled(m, d, state, of_step, impulse[of_step]);
     mobility.Solve(change[of_step], impulse[of_step]);
   }
-  // work of the step, of all there is to come, and energy that may be lost
+  // work of the step, of all there is to come, what rounds it, and energy that may be lost
   mjtNum* work = scratch.Zeros(m->ntree);
+  mjtNum* scale = scratch.Zeros(m->ntree);
   mjtNum* all = scratch.Zeros(m->ntree);
   mjtNum* loss = scratch.Zeros(m->ntree);
   for (int tree = 0; tree < m->ntree; ++tree) {
     work[sets.Root(tree)] += Work(m, d, tree, impulse[1], change[1]);
     all[sets.Root(tree)] += Work(m, d, tree, impulse[0], change[0]);
+    const int begin = m->tree_dofadr[tree], dofs = m->tree_dofnum[tree];
+    scale[sets.Root(tree)] += mju_dot(impulse[0] + begin, change[0] + begin, dofs);
   }
   ForPulsesUnderWay(state,
                     [&](Pulse& pulse) { loss[sets.Root(MovingTree(m, pulse))] += pulse.loss; });
   ForPulsesUnderWay(state, [&](Pulse& pulse) {
     const int set = sets.Root(MovingTree(m, pulse));
-    const mjtNum rounding = 1e-9 * (std::abs(work[set]) + std::abs(all[set]));
+    const mjtNum rounding = 1e-9 * scale[set];
     const bool will_be = work[set] > std::max<mjtNum>(all[set] + loss[set], 0) + rounding;
     const bool is = all[set] < -loss[set] - rounding;
     if (will_be || is) pulse.finishing = 1;
