@@ -36,7 +36,7 @@ void AddDetour(const mjModel* m, mjData* d, const Mobility& mobility, const Deli
 
 // All that is left, in the middle of the step.
 Share RestAtOnce(const Pulse& pulse, mjtNum h) {
-  const mjtNum impulse = pulse.scale_next * pulse.impulse * (1 - pulse.delivered);
+  const mjtNum impulse = pulse.remaining();
   return {impulse, 0.5 * h * impulse, 1};
 }
 
@@ -88,8 +88,7 @@ void DeliverActive(const mjModel* m, mjData* d, const Mobility& mobility, State&
     mju_addToScl(delivery.impulse, row, share.impulse, m->nv);
     mju_addToScl(delivery.moment, row, share.moment, m->nv);
     mju_addToScl(delivery.second, row, SecondMoment(share), m->nv);
-    mju_addToScl(delivery.remaining, row, pulse.scale_next * pulse.impulse * (1 - pulse.delivered),
-                 m->nv);
+    mju_addToScl(delivery.remaining, row, pulse.remaining(), m->nv);
   }
 }
 

@@ -88,8 +88,7 @@ mjtNum ScaleOf(const Balance& balance, mjtNum restitution) {
 void AddScaled(const mjModel* m, const mjData* d, State& state, bool of_step, mjtNum* impulse) {
   const mjtNum clock = state.header().clock, h = m->opt.timestep;
   ForPulsesUnderWay(state, [&](Pulse& pulse) {
-    const mjtNum part = of_step ? ShareOfStep(pulse, clock, h).impulse
-                                : pulse.scale_next * pulse.impulse * (1 - pulse.delivered);
+    const mjtNum part = of_step ? ShareOfStep(pulse, clock, h).impulse : pulse.remaining();
     AddPulseRow(m, d, pulse, pulse.line_next, part, impulse);
   });
 }

@@ -47,6 +47,8 @@ struct Pulse {
   LineOfAction line_next;  // in this step; committed by advance
 
   bool under_way() const { return serial > 0 && delivered < 1; }
+  // What is yet to come in this step and after it [N s].
+  double remaining() const { return scale_next * impulse * (1 - delivered); }
   bool slides() const { return tangent[0] != 0 || tangent[1] != 0 || tangent[2] != 0; }
 };
 
