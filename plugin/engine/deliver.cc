@@ -66,11 +66,9 @@ Share ShareOfStep(const Pulse& pulse, mjtNum clock, mjtNum h) {
 mjtNum ActiveEnd(const State& state) {
   mjtNum end = 0;
   if (state.header().active == 0) return end;
-  for (int i = 0; i < state.slots(); ++i) {
-    const Pulse& pulse = state.pulse(i);
-    if (!pulse.under_way()) continue;
+  ForPulsesUnderWay(state, [&](const Pulse& pulse) {
     end = std::max(end, pulse.onset + pulse.duration - state.header().clock);
-  }
+  });
   return end;
 }
 
@@ -78,9 +76,7 @@ void DeliverActive(const mjModel* m, mjData* d, const Mobility& mobility, State&
                    Delivery& delivery, Scratch& scratch) {
   FollowLines(m, d, mobility, state, scratch);
   mjtNum* row = scratch.Take<mjtNum>(m->nv);
-  for (int i = 0; i < state.slots(); ++i) {
-    Pulse& pulse = state.pulse(i);
-    if (!pulse.under_way()) continue;
+  ForPulsesUnderWay(state, [&](Pulse& pulse) {
     const Share share = ShareOfStep(pulse, state.header().clock, m->opt.timestep);
     pulse.delivered_next = share.delivered_next;
     mju_zero(row, m->nv);
@@ -89,7 +85,7 @@ void DeliverActive(const mjModel* m, mjData* d, const Mobility& mobility, State&
     mju_addToScl(delivery.moment, row, share.moment, m->nv);
     mju_addToScl(delivery.second, row, SecondMoment(share), m->nv);
     mju_addToScl(delivery.remaining, row, pulse.remaining(), m->nv);
-  }
+  });
 }
 
 void WakeStruck(const mjModel* m, mjData* d, const mjtNum* force, Scratch& scratch) {

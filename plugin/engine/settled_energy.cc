@@ -24,13 +24,6 @@ struct Impulses {
   mjtNum *before, *now;
 };
 
-template <typename Visit>
-void ForPulsesUnderWay(State& state, Visit visit) {
-  for (int i = 0; i < state.slots(); ++i) {
-    if (state.pulse(i).under_way()) visit(state.pulse(i));
-  }
-}
-
 int TreeOf(const mjModel* m, const Pulse& pulse, int side) {
   const int last = LastDof(m, BodyOf(m, pulse, side));
   return last < 0 ? -1 : m->dof_treeid[last];

@@ -115,6 +115,14 @@ class State {
   mjtNum* held_force_;  // generalized force of the first Runge-Kutta stage (nv)
 };
 
+// Visits the pulses that are not yet delivered.
+template <typename AnyState, typename Visit>
+void ForPulsesUnderWay(AnyState& state, Visit visit) {
+  for (int i = 0; i < state.slots(); ++i) {
+    if (state.pulse(i).under_way()) visit(state.pulse(i));
+  }
+}
+
 }  // namespace mujoco_impact::engine
 
 #endif  // MUJOCO_IMPACT_ENGINE_STATE_H_

@@ -61,14 +61,12 @@ void Struck::TakeUntil(const ContactRow& row, mjtNum end) {
 }
 
 void Struck::TakeForPulses(const State& state, mjtNum end) {
-  for (int i = 0; i < state.slots(); ++i) {
-    const Pulse& pulse = state.pulse(i);
-    if (!pulse.under_way()) continue;
+  ForPulsesUnderWay(state, [&](const Pulse& pulse) {
     for (int side = 0; side < 2; ++side) {
       const int tree = m_->body_treeid[BodyOf(m_, pulse, side)];
       if (tree >= 0) busy_[tree] = end;
     }
-  }
+  });
 }
 
 bool Struck::Moved(const mjContact& contact) const {
