@@ -46,6 +46,12 @@ Delivery MakeDelivery(const mjModel* m, Scratch& scratch) {
   return {scratch.Zeros(m->nv), scratch.Zeros(m->nv), scratch.Zeros(m->nv), scratch.Zeros(m->nv)};
 }
 
+void AddTo(const mjModel* m, const Delivery& within, Delivery& delivery) {
+  mju_addTo(delivery.impulse, within.impulse, m->nv);
+  mju_addTo(delivery.moment, within.moment, m->nv);
+  mju_addTo(delivery.second, within.second, m->nv);
+}
+
 Share ShareOfStep(const Pulse& pulse, mjtNum clock, mjtNum h) {
   if (pulse.finishing != 0) return RestAtOnce(pulse, h);
   const mjtNum W = pulse.duration, E = pulse.restitution;

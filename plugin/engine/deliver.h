@@ -33,6 +33,9 @@ struct Delivery {
 
 Delivery MakeDelivery(const mjModel* m, Scratch& scratch);
 
+// Adds impulses that came within the step.
+void AddTo(const mjModel* m, const Delivery& within, Delivery& delivery);
+
 // Part of a pulse and its first moment in one step.
 struct Share {
   mjtNum impulse;         // ΔP [N s]

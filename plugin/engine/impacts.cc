@@ -6,17 +6,16 @@
 #include <limits>
 
 #include "engine/config.h"
-#include "engine/contact_stiffness.h"
 #include "engine/friction.h"
 #include "engine/gather.h"
 #include "engine/island_system.h"
 #include "engine/islands.h"
 #include "engine/outlook.h"
 #include "engine/ownership.h"
+#include "engine/reach.h"
 #include "engine/resolve.h"
 #include "engine/slots.h"
 #include "engine/struck.h"
-#include "law/impact_clock.h"
 
 namespace mujoco_impact::engine {
 
@@ -44,12 +43,15 @@ class Resolver {
         state_(state),
         delivery_(delivery),
         scratch_(scratch),
+        bent_(ActiveEnd(state) > kShortPulses * m->opt.timestep),
+        impacts_(bent_ ? MakeDelivery(m, scratch) : delivery),
         contacts_(GatherContacts(m, d, ownership_, scratch)),
         struck_(m, d, mobility, scratch) {}
 
   void Run();
 
  private:
+  void RunRounds();
   void ResolveRound(const Outlook& outlook);
   bool ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, const int* position,
                        int count);
@@ -57,7 +59,7 @@ class Resolver {
   ImpactTime FirstClosing(const Outlook& outlook, const int* position, int count) const;
   void AddImpact(const ContactRow& row, const Impact& impact);
   void AnchorAll();
-  mjtNum Reach(const Outlook& outlook);
+  bool ResolvePartOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
   bool MoreMayClose(const Outlook& outlook);
 
   const mjModel* m_;
@@ -68,6 +70,8 @@ class Resolver {
   State& state_;
   Delivery& delivery_;
   Scratch& scratch_;
+  const bool bent_;         // pulses under way last on and bend the path
+  const Delivery impacts_;  // what comes at times within the step
   Gathered contacts_;
   Struck struck_;
   bool last_ = false;  // no further round is possible
@@ -84,14 +88,15 @@ void Resolver::AddImpact(const ContactRow& row, const Impact& impact) {
   const Share share =
       impact.at_once ? whole : ShareOfStep(pulse, state_.header().clock, m_->opt.timestep);
   AddPending(state_, pulse, share.delivered_next);
-  AddRowTransposed(m_, row, share.impulse, delivery_.impulse);
-  AddRowTransposed(m_, row, share.moment, delivery_.moment);
-  AddRowTransposed(m_, row, SecondMoment(share), delivery_.second);
+  AddRowTransposed(m_, row, share.impulse, impacts_.impulse);
+  AddRowTransposed(m_, row, share.moment, impacts_.moment);
+  AddRowTransposed(m_, row, SecondMoment(share), impacts_.second);
   struck_.Add(row, share.impulse, impact.impulse - share.impulse);
 }
 
 ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, int count) const {
-  ImpactTime time{outlook.start, 0, m_->opt.timestep, flight_, -1};
+  const mjtNum h = m_->opt.timestep;
+  ImpactTime time{outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1};
   for (int k = 0; k < count; ++k) {
     const int i = position[k];
     if (!contacts_.due[i]) continue;
@@ -151,11 +156,28 @@ bool Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
   return true;
 }
 
+// Resolves as much of the island as the impact that begins in it can reach.
+bool Resolver::ResolvePartOf(const Outlook& outlook, ImpactTime time, const int* position,
+                             int count) {
+  if (last_ || !IsCrowded(m_, count)) return ResolveIslandOf(outlook, time, position, count);
+  Scratch scratch(d_);
+  const Islands part =
+      ReachedPart(m_, d_, mobility_, outlook, position, count, contacts_, time, scratch);
+  const int* end = part.position + part.start[1];
+  for (int k = 0; k < count; ++k) {
+    const int i = position[k];
+    if (!contacts_.due[i] || std::binary_search(part.position, end, i)) continue;
+    left_ = std::min(left_, time.start + contacts_.tau[i]);
+  }
+  time.first = FirstClosing(outlook, part.position, part.start[1]).first;
+  return ResolveIslandOf(outlook, time, part.position, part.start[1]);
+}
+
 // Resolves the island from the first contact on whose closing is an impact.
 void Resolver::ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position,
                               int count) {
   while (time.first >= 0) {
-    if (ResolveIslandOf(outlook, time, position, count)) {
+    if (ResolvePartOf(outlook, time, position, count)) {
       std::fill_n(contacts_.idle, contacts_.count, false);
       return;
     }
@@ -166,25 +188,10 @@ void Resolver::ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int
   }
 }
 
-// How far a body may get in an impact of this round: it may leave it at up to twice the speed of
-// the fastest closing, and fly for as long as the law counts what follows as the same impact.
-mjtNum Resolver::Reach(const Outlook& outlook) {
-  const mjtNum flight = std::min(flight_, m_->opt.timestep - outlook.start);
-  mjtNum reach = 0;
-  for (int k = 0; k < contacts_.count; ++k) {
-    if (!contacts_.due[k]) continue;
-    const ContactPath path(m_, d_, Anchor(m_, d_, contacts_, k), outlook.motion);
-    const mjtNum speed = -path.GapRate(contacts_.tau[k]);
-    if (speed <= 0) continue;
-    const mjtNum time = EstimateContactTime(m_, config_, d_->contact[contacts_.contact[k]], speed);
-    reach = std::max(reach, 2 * speed * std::max(flight, law::kSameImpactTimes * time));
-  }
-  return reach;
-}
-
 void Resolver::ResolveRound(const Outlook& outlook) {
   Scratch scratch(d_);
-  FindNear(m_, d_, outlook, Reach(outlook), contacts_);
+  const mjtNum reach = ReachOfRound(m_, d_, config_, outlook, flight_, contacts_);
+  FindNear(m_, d_, outlook, reach, contacts_);
   const Islands islands = FindIslands(m_, d_, mobility_, contacts_.contact, contacts_.due,
                                       contacts_.near, contacts_.count, scratch);
   round_end_ = left_ = m_->opt.timestep;
@@ -235,29 +242,31 @@ void Resolver::AnchorAll() {
 }
 
 void Resolver::Run() {
+  RunRounds();
+  if (bent_) AddTo(m_, impacts_, delivery_);
+}
+
+void Resolver::RunRounds() {
   const mjtNum h = m_->opt.timestep;
+  Outlook outlook = LookAhead(m_, d_, mobility_, delivery_, bent_, scratch_);
+  BodiesInStep bodies(m_, d_, mobility_, outlook, scratch_);
   // pulses of the last step that soon end are looked back on; longer ones bend the path
   const mjtNum pulses_end = ActiveEnd(state_);
-  const bool bent = pulses_end > kShortPulses * h;
-  Outlook outlook = LookAhead(m_, d_, mobility_, delivery_, bent, scratch_);
-  const Motion start = outlook.motion;
-  BodiesInStep bodies(m_, d_, mobility_, start, scratch_);
-  if (pulses_end > 0 && !bent) {
+  if (pulses_end > 0 && !bent_) {
     AnchorAll();
     struck_.TakeForPulses(state_, pulses_end);
-    outlook = bodies.MoveTo(pulses_end, delivery_);
+    outlook = bodies.MoveTo(pulses_end, impacts_, nullptr);
   }
   for (int round = 0; round < kMaxRounds; ++round) {
     if (!FindDue(m_, d_, outlook, config_.touch, struck_.busy(), contacts_, scratch_)) return;
-    last_ = round == kMaxRounds - 1 || bent;
+    last_ = round == kMaxRounds - 1;
     flight_ = last_ ? std::numeric_limits<mjtNum>::infinity() : kSameImpact * h;
     ResolveRound(outlook);
     // a pulse that outlasts the step does not keep others from closing meanwhile
     if (round_end_ >= h && left_ > outlook.start) round_end_ = left_;
     if (last_ || round_end_ >= h || !MoreMayClose(outlook)) return;
     AnchorAll();
-    outlook = bodies.MoveTo(round_end_, delivery_);
-    if (struck_.owed()) outlook.arrears = struck_.owed();
+    outlook = bodies.MoveTo(round_end_, impacts_, struck_.owed());
   }
 }
 

@@ -27,17 +27,18 @@ mjtNum* SettledVelocity(const mjModel* m, const Outlook& outlook, mjtNum tau, Sc
 }
 
 BodiesInStep::BodiesInStep(const mjModel* m, mjData* d, const Mobility& mobility,
-                           const Motion& motion, Scratch& scratch)
+                           const Outlook& start, Scratch& scratch)
     : m_(m),
       d_(d),
       mobility_(mobility),
-      motion_(motion),
+      start_(start),
       qpos_(scratch.Take<mjtNum>(m->nq)),
       qvel_(scratch.Take<mjtNum>(m->nv)),
       moved_{scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv)},
       kick_(scratch.Take<mjtNum>(m->nv)),
       displacement_(scratch.Take<mjtNum>(m->nv)),
-      work_(scratch.Take<mjtNum>(m->nv)) {
+      work_(scratch.Take<mjtNum>(m->nv)),
+      arrears_(scratch.Take<mjtNum>(m->nv)) {
   mju_copy(qpos_, d->qpos, m->nq);
   mju_copy(qvel_, d->qvel, m->nv);
 }
@@ -46,8 +47,9 @@ BodiesInStep::~BodiesInStep() {
   if (away_) Place(nullptr, qvel_);
 }
 
-Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery) {
+Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery, mjtNum* owed) {
   const int nv = m_->nv;
+  const Motion& motion = start_.motion;
   // G M⁻¹ Jᵀ of P, P (t − s) and P (t − s)²/2
   const auto gradient = [&](const mjtNum* kick, mjtNum* result) {
     mju_zero(work_, nv);
@@ -68,14 +70,22 @@ Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery) {
   mobility_.Solve(v, work_);
   gradient(v, v);
   for (int i = 0; i < nv; ++i) {
-    const mjtNum V = motion_.velocity[i], A = motion_.acceleration[i], B = motion_.jerk[i];
+    const mjtNum V = motion.velocity[i], A = motion.acceleration[i], B = motion.jerk[i];
     displacement_[i] += V * t + A * t * t / 2 + B * t * t * t / 6;
     v[i] += V + A * t + B * t * t / 2 + kick_[i];
     a[i] += A + B * t;
     b[i] += B;
   }
   Place(displacement_, v);
-  return {t, moved_, nullptr, nullptr};
+  return {t, moved_, start_.bend, ArrearsAt(t, owed)};
+}
+
+mjtNum* BodiesInStep::ArrearsAt(mjtNum t, mjtNum* owed) {
+  if (!start_.arrears) return owed;
+  // the pulses that bend the path have delivered a part by t
+  mju_addScl(arrears_, start_.arrears, start_.bend, -t, m_->nv);
+  if (owed) mju_addTo(arrears_, owed, m_->nv);
+  return arrears_;
 }
 
 // MuJoCo's own kinematics at qpos ⊕ displacement, or at qpos if that is null: the same code with

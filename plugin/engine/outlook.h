@@ -8,7 +8,8 @@
 //   v(t) = V + a t + b t²/2 + (1 + G (t − s)²/2) M⁻¹ Jᵀ P
 //   a(t) = a + b t + G M⁻¹ Jᵀ P (t − s),   b(t) = b + G M⁻¹ Jᵀ P,   G = M⁻¹ (∂Q/∂q)
 //
-// and the bodies are moved there, so that the next impact sees the geometry of its own time.
+// and the bodies are moved there, so that the next impact sees the geometry of its own time. Pulses
+// that bend the free motion are part of it and not among P.
 
 #ifndef MUJOCO_IMPACT_ENGINE_OUTLOOK_H_
 #define MUJOCO_IMPACT_ENGINE_OUTLOOK_H_
@@ -39,25 +40,28 @@ mjtNum* SettledVelocity(const mjModel* m, const Outlook& outlook, mjtNum tau, Sc
 // The bodies at times within the step. They are put back where they were when it ends.
 class BodiesInStep {
  public:
-  BodiesInStep(const mjModel* m, mjData* d, const Mobility& mobility, const Motion& motion,
+  // `start` is the outlook from the start of the step.
+  BodiesInStep(const mjModel* m, mjData* d, const Mobility& mobility, const Outlook& start,
                Scratch& scratch);
   ~BodiesInStep();
   BodiesInStep(const BodiesInStep&) = delete;
   BodiesInStep& operator=(const BodiesInStep&) = delete;
 
-  // Moves the bodies to time t, after the impulses in `delivery`, and looks ahead from there.
-  Outlook MoveTo(mjtNum t, const Delivery& delivery);
+  // Moves the bodies to time t, after the impulses in `delivery`, and looks ahead from there;
+  // `owed` is the velocity that their pulses will add after this step (nv), null if none will.
+  Outlook MoveTo(mjtNum t, const Delivery& delivery, mjtNum* owed);
 
  private:
   void Place(const mjtNum* displacement, const mjtNum* velocity);
+  mjtNum* ArrearsAt(mjtNum t, mjtNum* owed);
 
   const mjModel* m_;
   mjData* d_;
   const Mobility& mobility_;
-  const Motion& motion_;
+  const Outlook start_;
   mjtNum *qpos_, *qvel_;  // at the start of the step
   Motion moved_;
-  mjtNum *kick_, *displacement_, *work_;
+  mjtNum *kick_, *displacement_, *work_, *arrears_;
   bool away_ = false;
 };
 

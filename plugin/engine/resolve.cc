@@ -37,10 +37,17 @@ int StepLimit(const mjModel* m, const Config& config, const IslandSystem& system
 // False if the law had to cut the impact.
 bool SolveHertz(const mjModel* m, const Config& config, const IslandSystem& system,
                 const ImpactTime& time, IslandProblem& problem) {
-  const law::ImpactProblem impact{
-      system.delassus,    problem.closing_speed,       problem.gap, problem.stiffness,
-      config.restitution, config.dissipation,          time.left(), time.flight,
-      config.tolerance,   StepLimit(m, config, system)};
+  const law::ImpactProblem impact{system.delassus,
+                                  problem.closing_speed,
+                                  problem.gap,
+                                  problem.stiffness,
+                                  config.restitution,
+                                  config.dissipation,
+                                  std::min(time.horizon, time.left()),
+                                  time.flight,
+                                  config.tolerance,
+                                  StepLimit(m, config, system),
+                                  time.longest};
   for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset}) {
     mju_zero(solution, problem.size);
   }

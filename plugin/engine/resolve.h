@@ -30,6 +30,8 @@ struct ImpactTime {
   mjtNum tau;       // when the first contact of the island closes, from there [s]
   mjtNum timestep;  // h [s]
   mjtNum flight;    // contacts that close after a longer flight are left for later [s]
+  mjtNum horizon;   // as are those that begin to close later than this after τ [s]
+  mjtNum longest;   // flight, whatever the law takes for the same impact [s]
   int first;        // which contact of the island that is
 
   mjtNum left() const { return timestep - start - tau; }  // of the step

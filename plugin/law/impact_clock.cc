@@ -8,9 +8,14 @@ namespace mujoco_impact::law {
 
 namespace {
 
+// Within which a closing after a force is one of the same impact.
+double SameImpact(const ImpactProblem& problem, const ImpactScale& scale) {
+  return std::min(kSameImpactTimes * scale.time, problem.longest_flight);
+}
+
 // The longest flight to a next closing that still belongs to the impact.
 double LongestFlight(const ImpactProblem& problem, const ImpactScale& scale, double t) {
-  const double same_impact = kSameImpactTimes * scale.time;
+  const double same_impact = SameImpact(problem, scale);
   return std::min(std::max(problem.flight, same_impact), problem.horizon + same_impact - t);
 }
 
@@ -64,7 +69,7 @@ bool FlyToNextClosing(const ImpactProblem& problem, const ImpactScale& scale, La
 void LeaveLateClosings(const ImpactProblem& problem, const ImpactScale& scale, double t,
                        Lanes& lanes) {
   constexpr double kNever = -1e30;  // a compression that no speed makes up for [m]
-  if (t < problem.horizon + kSameImpactTimes * scale.time) return;
+  if (t < problem.horizon + SameImpact(problem, scale)) return;
   for (int i = 0; i < lanes.size(); ++i) {
     const bool closes = lanes.y[i] < 0 && lanes.c[i] > 0;
     if (closes && !IsPressedFromBeside(problem, lanes, i)) lanes.y[i] = kNever;

@@ -15,6 +15,8 @@
 #ifndef MUJOCO_IMPACT_LAW_IMPACT_PROBLEM_H_
 #define MUJOCO_IMPACT_LAW_IMPACT_PROBLEM_H_
 
+#include <limits>
+
 namespace mujoco_impact::law {
 
 // Delassus matrix W, symmetric positive semidefinite, in compressed rows with its diagonal.
@@ -44,6 +46,8 @@ struct ImpactProblem {
   double horizon, flight;
   double tolerance;  // error allowed per step, relative to the speed and compression of the impact
   int step_limit = 0;  // steps after which the impact is cut; 0: as many as any known one takes
+  // [s] the longest flight that may belong to the same impact however long its contacts last
+  double longest_flight = std::numeric_limits<double>::infinity();
 };
 
 // Arrays of `size`, owned by the caller.

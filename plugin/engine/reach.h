@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far an impact reaches: which contacts may take part in it.
+
+#ifndef MUJOCO_IMPACT_ENGINE_REACH_H_
+#define MUJOCO_IMPACT_ENGINE_REACH_H_
+
+#include <mujoco/mujoco.h>
+
+#include "engine/config.h"
+#include "engine/gather.h"
+#include "engine/islands.h"
+#include "engine/outlook.h"
+#include "engine/resolve.h"
+#include "engine/scratch.h"
+
+namespace mujoco_impact::engine {
+
+// How far a body may get in an impact of this round: it may leave it at up to twice the speed of
+// the fastest closing, and fly for as long as the law counts what follows as the same impact [m].
+mjtNum ReachOfRound(const mjModel* m, const mjData* d, const Config& config, const Outlook& outlook,
+                    mjtNum flight, Gathered& contacts);
+
+// Whether an island has more contacts than its bodies can touch at once: then most of them are
+// between bodies that others keep apart, and all of them together cost the square.
+inline bool IsCrowded(const mjModel* m, int count) {
+  constexpr int kMostTouching = 6;  // half the kissing number of spheres
+  return count > kMostTouching * m->ntree;
+}
+
+// The part of a crowded island that the impact which begins in it can reach while its bodies get no
+// farther than a part of their radius, as one island; what closes later is an impact of its own.
+// Shortens `time` accordingly.
+Islands ReachedPart(const mjModel* m, const mjData* d, const Mobility& mobility,
+                    const Outlook& outlook, const int* position, int count, Gathered& contacts,
+                    ImpactTime& time, Scratch& scratch);
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_REACH_H_
