@@ -83,40 +83,42 @@ Vector3 ContactPath::DistanceRate(mjtNum tau) const {
 
 mjtNum ContactPath::GapRate(mjtNum tau) const { return Dot(Normal(tau), DistanceRate(tau)); }
 
-mjtNum ContactPath::NearestTime(mjtNum time) const {
-  if (!anchor_.spheres()) return time;
+mjtNum ContactPath::NearestTime(mjtNum from, mjtNum end) const {
+  if (!anchor_.spheres()) return end;
   // d/dt ½ |D|² = D·D', and its derivative without the slow change of D'
-  mjtNum t = 0;
+  mjtNum t = from;
   for (int i = 0; i < 2; ++i) {
     const Vector3 rate = DistanceRate(t);
     const mjtNum speed2 = Dot(rate, rate);
-    if (speed2 < mjMINVAL) return time;
-    t = std::clamp<mjtNum>(t - Dot(Distance(t), rate) / speed2, 0, time);
+    if (speed2 < mjMINVAL) return end;
+    t = std::clamp<mjtNum>(t - Dot(Distance(t), rate) / speed2, from, end);
   }
   return t;
 }
 
-bool ContactPath::Closes(mjtNum time, mjtNum touch) const {
+bool ContactPath::Closes(mjtNum tau, mjtNum time, mjtNum touch) const {
   constexpr mjtNum kNoDeeper = 1e-6;
-  const mjtNum rate = GapRate(0);
-  return rate < 0 && (gap_ >= -touch || -rate * time > kNoDeeper * touch);
+  const mjtNum rate = GapRate(tau);
+  return rate < 0 && (Gap(tau) >= -touch || -rate * time > kNoDeeper * touch);
 }
 
-bool ContactPath::ClosingTime(mjtNum time, mjtNum late, mjtNum touch, mjtNum* tau) const {
+bool ContactPath::ClosingTime(mjtNum from, mjtNum end, mjtNum late, mjtNum touch,
+                              mjtNum* tau) const {
   constexpr int kNewtonSteps = 30;
-  if (!Closes(time, touch)) return false;
+  const mjtNum time = end - from;
+  if (!Closes(from, time, touch)) return false;
   // two balls that are apart at the end may have flown through each other
-  if (Gap(time) >= -touch && Gap(NearestTime(time)) >= -touch) return false;
-  mjtNum t = 0;
+  if (Gap(end) >= -touch && Gap(NearestTime(from, end)) >= -touch) return false;
+  mjtNum t = from;
   for (int i = 0; i < kNewtonSteps; ++i) {
     const mjtNum rate = GapRate(t);
     if (rate >= 0) break;
     const mjtNum step = -Gap(t) / rate;
     t += step;
-    if (std::abs(step) < 1e-12 * time || t < -late || t > 2 * time) break;
+    if (std::abs(step) < 1e-12 * time || t < from - late || t > from + 2 * time) break;
   }
   // an overlap that this closing speed cannot have made was there before: it closes now
-  *tau = t < -late ? 0 : std::min(t, time);
+  *tau = t < from - late ? from : std::min(t, end);
   return true;
 }
 

@@ -59,22 +59,22 @@ class ContactPath {
   // How fast the normal turns [rad/s].
   mjtNum TurnRate(mjtNum tau) const;
 
-  // Whether the contact closes at the start. One that overlaps must get deeper by a part of `touch`
-  // within `time`: a plastic impact leaves the rounding of a common speed, and to call that an
+  // Whether the contact closes at τ. One that overlaps must get deeper by a part of `touch` within
+  // `time`: a plastic impact leaves the rounding of a common speed, and to call that an
   // impact would begin a pulse without an impulse, and one that lasts, for W ~ u^(-1/5).
-  bool Closes(mjtNum time, mjtNum touch) const;
+  bool Closes(mjtNum tau, mjtNum time, mjtNum touch) const;
 
-  // Time at which the contact closes within the `time` that is left of the step; false if it does
-  // not get deeper than `touch` meanwhile. May be as early as −`late`: it closed unnoticed at the
-  // end of the last step, whose scan did not know the free acceleration.
-  bool ClosingTime(mjtNum time, mjtNum late, mjtNum touch, mjtNum* tau) const;
+  // Time at which the contact closes between `from` and `end`; false if it does not get deeper than
+  // `touch` meanwhile. May be earlier by up to `late`: it closed unnoticed at the end of the last
+  // step, whose scan did not know the free acceleration.
+  bool ClosingTime(mjtNum from, mjtNum end, mjtNum late, mjtNum touch, mjtNum* tau) const;
 
  private:
   Vector3 Distance(mjtNum tau) const;
   Vector3 DistanceRate(mjtNum tau) const;
-  // When two spheres are closest within `time`, up to the curvature of their paths; for other
-  // shapes the end.
-  mjtNum NearestTime(mjtNum time) const;
+  // When two spheres are closest between the two times, up to the curvature of their paths; for
+  // other shapes the end.
+  mjtNum NearestTime(mjtNum from, mjtNum end) const;
 
   const ContactAnchor& anchor_;
   BodyPoint side_[2];

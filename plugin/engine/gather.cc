@@ -13,15 +13,30 @@ namespace {
 // Of a step: as late as a closing may be noticed that the scan of the last step could not see.
 constexpr mjtNum kLatest = 0.25;
 
+// Whether the contact closes in the rest of the step. Its bodies are on this path since `since`,
+// from the time of the outlook [s].
 bool IsDue(const mjModel* m, const mjData* d, const Outlook& outlook, const Motion& settled,
-           mjtNum touch, const ContactAnchor& anchor, mjtNum* tau) {
-  const mjtNum h = m->opt.timestep;
-  // later in the step: since its start, for the impacts before may have closed it meanwhile
+           mjtNum touch, mjtNum since, const ContactAnchor& anchor, mjtNum* tau) {
+  const mjtNum h = m->opt.timestep, end = h - outlook.start;
+  const mjtNum from = std::max<mjtNum>(0, since);
+  // later in the step: since they are on it, for the impacts before may have closed it meanwhile
   const mjtNum late = outlook.start == 0 ? kLatest * h : outlook.start;
   const ContactPath path(m, d, anchor, outlook.motion);
-  if (!path.ClosingTime(h - outlook.start, late, touch, tau)) return false;
+  if (!path.ClosingTime(from, end, late, touch, tau)) return false;
+  if (outlook.start > 0) *tau = std::max(*tau, since);
   // with pulses under way, a contact that they will part is not an impact
-  return !outlook.arrears || ContactPath(m, d, anchor, settled).Closes(h, touch);
+  return !outlook.arrears || ContactPath(m, d, anchor, settled).Closes(0, h, touch);
+}
+
+// Until when an impact of this step keeps the bodies of the contact from the path that they are on
+// since; a pulse that outlasts the step does not.
+mjtNum FreeSince(const mjModel* m, const mjContact& contact, const mjtNum* busy) {
+  const mjtNum h = m->opt.timestep;
+  mjtNum free = -h;
+  for (const int tree : TreesOf(m, contact).tree) {
+    if (tree >= 0 && busy[tree] < h) free = std::max(free, busy[tree]);
+  }
+  return free;
 }
 
 }  // namespace
@@ -97,17 +112,9 @@ bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum t
     if (!gathered.relevant[k] || gathered.idle[k]) continue;
     // the bodies are still where MuJoCo found the contact: its velocities tell
     if (outlook.start == 0 && gathered.lowest[k] >= -touch) continue;
+    const mjtNum since = FreeSince(m, contact, busy) - outlook.start;
     mjtNum tau;
-    if (!IsDue(m, d, outlook, settled, touch, Anchor(m, d, gathered, k), &tau)) continue;
-    mjtNum free = -m->opt.timestep;
-    for (const int tree : TreesOf(m, contact).tree) {
-      if (tree >= 0) free = std::max(free, busy[tree]);
-    }
-    // in later rounds: not before the impact that put the bodies on this path, nor long ago
-    if (outlook.start > 0 && tau < 0) {
-      if (free > outlook.start) continue;
-      tau = std::max(tau, free - outlook.start);
-    }
+    if (!IsDue(m, d, outlook, settled, touch, since, Anchor(m, d, gathered, k), &tau)) continue;
     gathered.tau[k] = tau;
     gathered.due[k] = any = true;
   }

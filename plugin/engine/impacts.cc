@@ -21,8 +21,9 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-// After these rounds the rest of the step is resolved with the geometry of the last.
-constexpr int kMaxRounds = 32;
+// After these rounds the rest of the step is resolved with the geometry of the last, as one
+// problem: in a crowd that would be too large.
+constexpr int kMaxRounds = 32, kMaxRoundsOfCrowd = 256;
 
 // Of a step: contacts that close after a shorter flight than this belong to the same impact. The
 // lever arms are then off by the square of the angle turned meanwhile: 1e-2 of that of a step.
@@ -57,6 +58,9 @@ class Resolver {
                        int count);
   void ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
   ImpactTime FirstClosing(const Outlook& outlook, const int* position, int count) const;
+  static void ComeAtOnce(const ImpactTime& time, int count, Impact* impacts);
+  void AddImpacts(const IslandSystem& system, const ImpactTime& time, const Impact* impacts,
+                  const int* position);
   void AddImpact(const ContactRow& row, const Impact& impact);
   void AnchorAll();
   bool ResolvePartOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
@@ -74,7 +78,8 @@ class Resolver {
   const Delivery impacts_;  // what comes at times within the step
   Gathered contacts_;
   Struck struck_;
-  bool last_ = false;  // no further round is possible
+  bool last_ = false;     // no further round is possible
+  bool crowded_ = false;  // an island was too large to be resolved as a whole
   mjtNum flight_ = 0;
   mjtNum round_end_ = 0;  // when the first impact of the round is over
   mjtNum left_ = 0;       // when the first contact closes that took no part in it
@@ -131,35 +136,46 @@ bool Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
   const auto pushes = std::count_if(impacts, impacts + count,
                                     [](const Impact& impact) { return impact.impulse > 0; });
   if (pushes == 0) return false;
-  // Without free slots all of the island comes now, and no momentum is lost; all or none, for a
-  // light body between two others is pushed by the difference.
-  const bool no_room = !HasRoom(state_, static_cast<int>(pushes));
-  mjtNum end = time.start + time.tau;
+  if (!HasRoom(state_, static_cast<int>(pushes))) ComeAtOnce(time, count, impacts);
+  AddImpacts(system, time, impacts, position);
+  return true;
+}
+
+// Without free slots all of the island comes now, and no momentum is lost; all or none, for a light
+// body between two others is pushed by the difference.
+void Resolver::ComeAtOnce(const ImpactTime& time, int count, Impact* impacts) {
   for (int k = 0; k < count; ++k) {
-    if (no_room && !impacts[k].at_once) {
-      impacts[k].at_once = true;
-      impacts[k].moment = impacts[k].impulse * (time.start + time.tau);
+    if (impacts[k].at_once) continue;
+    impacts[k].at_once = true;
+    impacts[k].moment = impacts[k].impulse * (time.start + time.tau);
+  }
+}
+
+void Resolver::AddImpacts(const IslandSystem& system, const ImpactTime& time, const Impact* impacts,
+                          const int* position) {
+  mjtNum end = time.start + time.tau;
+  for (int k = 0; k < system.size; ++k) {
+    const int i = position[k];
+    if (impacts[k].impulse > 0) {
+      AddImpact(system.row[k], impacts[k]);
+      end = std::max(end, impacts[k].onset + impacts[k].duration);
+    } else if (contacts_.due[i]) {
+      left_ = std::min(left_, time.start + contacts_.tau[i]);
     }
-    if (impacts[k].impulse <= 0) {
-      const int i = position[k];
-      if (contacts_.due[i]) left_ = std::min(left_, time.start + contacts_.tau[i]);
-      continue;
-    }
-    AddImpact(system.row[k], impacts[k]);
-    end = std::max(end, impacts[k].onset + impacts[k].duration);
   }
   round_end_ = std::min(round_end_, end);
-  for (int k = 0; k < count; ++k) {
-    if (impacts[k].impulse <= 0) continue;
-    struck_.TakeUntil(system.row[k], end);
+  for (int k = 0; k < system.size; ++k) {
+    if (impacts[k].impulse > 0) struck_.TakeUntil(system.row[k], end);
   }
-  return true;
 }
 
 // Resolves as much of the island as the impact that begins in it can reach.
 bool Resolver::ResolvePartOf(const Outlook& outlook, ImpactTime time, const int* position,
                              int count) {
-  if (last_ || !IsCrowded(m_, count)) return ResolveIslandOf(outlook, time, position, count);
+  if (last_ || !IsCrowded(m_, d_, contacts_, position, count)) {
+    return ResolveIslandOf(outlook, time, position, count);
+  }
+  crowded_ = true;
   Scratch scratch(d_);
   const Islands part =
       ReachedPart(m_, d_, mobility_, outlook, position, count, contacts_, time, scratch);
@@ -257,9 +273,9 @@ void Resolver::RunRounds() {
     struck_.TakeForPulses(state_, pulses_end);
     outlook = bodies.MoveTo(pulses_end, impacts_, nullptr);
   }
-  for (int round = 0; round < kMaxRounds; ++round) {
+  for (int round = 1;; ++round) {
     if (!FindDue(m_, d_, outlook, config_.touch, struck_.busy(), contacts_, scratch_)) return;
-    last_ = round == kMaxRounds - 1;
+    last_ = round == (crowded_ ? kMaxRoundsOfCrowd : kMaxRounds);
     flight_ = last_ ? std::numeric_limits<mjtNum>::infinity() : kSameImpact * h;
     ResolveRound(outlook);
     // a pulse that outlasts the step does not keep others from closing meanwhile

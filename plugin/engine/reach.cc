@@ -37,6 +37,24 @@ mjtNum ReachOfRound(const mjModel* m, const mjData* d, const Config& config, con
   return reach;
 }
 
+bool IsCrowded(const mjModel* m, mjData* d, const Gathered& contacts, const int* position,
+               int count) {
+  constexpr double kMostCouplings = 4e5;
+  // a contact couples with the others of its two bodies
+  if (2.0 * count * count <= kMostCouplings) return false;
+  Scratch scratch(d);
+  int* of_tree = scratch.Take<int>(m->ntree);
+  std::fill_n(of_tree, m->ntree, 0);
+  for (int i = 0; i < count; ++i) {
+    for (const int tree : TreesOf(m, d->contact[contacts.contact[position[i]]]).tree) {
+      if (tree >= 0) ++of_tree[tree];
+    }
+  }
+  double couplings = 0;
+  for (int tree = 0; tree < m->ntree; ++tree) couplings += 1.0 * of_tree[tree] * of_tree[tree];
+  return couplings > kMostCouplings;
+}
+
 Islands ReachedPart(const mjModel* m, const mjData* d, const Mobility& mobility,
                     const Outlook& outlook, const int* position, int count, Gathered& contacts,
                     ImpactTime& time, Scratch& scratch) {

@@ -20,12 +20,10 @@ namespace mujoco_impact::engine {
 mjtNum ReachOfRound(const mjModel* m, const mjData* d, const Config& config, const Outlook& outlook,
                     mjtNum flight, Gathered& contacts);
 
-// Whether an island has more contacts than its bodies can touch at once: then most of them are
-// between bodies that others keep apart, and all of them together cost the square.
-inline bool IsCrowded(const mjModel* m, int count) {
-  constexpr int kMostTouching = 6;  // half the kissing number of spheres
-  return count > kMostTouching * m->ntree;
-}
+// Whether the contacts of an island are too many for one problem of the law: most of them are then
+// between bodies that others keep apart, for balls touch 12 others at most.
+bool IsCrowded(const mjModel* m, mjData* d, const Gathered& contacts, const int* position,
+               int count);
 
 // The part of a crowded island that the impact which begins in it can reach while its bodies get no
 // farther than a part of their radius, as one island; what closes later is an impact of its own.

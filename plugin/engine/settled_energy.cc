@@ -34,14 +34,14 @@ int MovingTree(const mjModel* m, const Pulse& pulse) {
   return first >= 0 ? first : TreeOf(m, pulse, 1);
 }
 
-TreeSets JoinedByPulses(const mjModel* m, const Mobility& mobility, State& state,
-                        Scratch& scratch) {
+void Join(const mjModel* m, const Pulse& pulse, TreeSets& sets) {
+  const int first = TreeOf(m, pulse, 0), second = TreeOf(m, pulse, 1);
+  if (first >= 0 && second >= 0) sets.Join(first, second);
+}
+
+TreeSets JoinedByTies(const mjModel* m, const Mobility& mobility, Scratch& scratch) {
   TreeSets sets(m->ntree, scratch);
   for (int tree = 0; tree < m->ntree; ++tree) sets.Join(tree, mobility.Group(tree));
-  ForPulsesUnderWay(state, [&](const Pulse& pulse) {
-    const int first = TreeOf(m, pulse, 0), second = TreeOf(m, pulse, 1);
-    if (first >= 0 && second >= 0) sets.Join(first, second);
-  });
   return sets;
 }
 
@@ -133,7 +133,8 @@ void FollowLines(const mjModel* m, const mjData* d, const Mobility& mobility, St
   mobility.Solve(changes.before, impulses.before);
   mobility.Solve(changes.now, impulses.now);
 
-  TreeSets sets = JoinedByPulses(m, mobility, state, scratch);
+  TreeSets sets = JoinedByTies(m, mobility, scratch);
+  ForPulsesUnderWay(state, [&](const Pulse& pulse) { Join(m, pulse, sets); });
   Balance* balances = scratch.Take<Balance>(m->ntree);
   std::fill_n(balances, m->ntree, Balance{});
   for (int tree = 0; tree < m->ntree; ++tree) {
@@ -144,6 +145,43 @@ void FollowLines(const mjModel* m, const mjData* d, const Mobility& mobility, St
     pulse.scale_next = pulse.scale * ScaleOf(balance, pulse.restitution);
   });
   EndOverfull(m, d, mobility, sets, state, scratch);
+}
+
+void EndOverfullByImpacts(const mjModel* m, const mjData* d, const Mobility& mobility, State& state,
+                          const Delivery& delivery, Scratch& scratch) {
+  TreeSets sets = JoinedByTies(m, mobility, scratch);
+  mjtNum* all = scratch.Take<mjtNum>(m->nv);
+  mjtNum* change[2] = {scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv)};
+  mju_copy(all, delivery.impulse, m->nv);
+  ForPulsesOfStep(state, [&](const Pulse& pulse) {
+    Join(m, pulse, sets);
+    AddPulseRow(m, d, pulse, pulse.line_next, pulse.remaining_next(), all);
+  });
+  mobility.Solve(change[0], delivery.impulse);
+  mobility.Solve(change[1], all);
+  // work beyond what all pulses will have done, less the energy that may be lost, and its rounding
+  mjtNum* over = scratch.Zeros(m->ntree);
+  mjtNum* scale = scratch.Zeros(m->ntree);
+  for (int tree = 0; tree < m->ntree; ++tree) {
+    over[sets.Root(tree)] +=
+        Work(m, d, tree, delivery.impulse, change[0]) - Work(m, d, tree, all, change[1]);
+    const int begin = m->tree_dofadr[tree], dofs = m->tree_dofnum[tree];
+    scale[sets.Root(tree)] += mju_dot(all + begin, change[1] + begin, dofs);
+  }
+  ForPulsesOfStep(state, [&](const Pulse& pulse) {
+    if (pulse.delivered_next < 1) over[sets.Root(MovingTree(m, pulse))] -= pulse.loss;
+  });
+  const mjtNum clock = state.header().clock, h = m->opt.timestep;
+  ForPulsesOfStep(state, [&](Pulse& pulse) {
+    const int set = sets.Root(MovingTree(m, pulse));
+    if (over[set] <= 1e-9 * scale[set]) return;
+    const mjtNum rest = pulse.remaining_next();
+    const mjtNum when = std::clamp(pulse.onset - clock, 0.5 * h, h);
+    AddPulseRow(m, d, pulse, pulse.line_next, rest, delivery.impulse);
+    AddPulseRow(m, d, pulse, pulse.line_next, when * rest, delivery.moment);
+    AddPulseRow(m, d, pulse, pulse.line_next, when * when * rest, delivery.second);
+    pulse.delivered_next = 1;
+  });
 }
 
 }  // namespace mujoco_impact::engine

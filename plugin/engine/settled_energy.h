@@ -25,6 +25,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include "engine/deliver.h"
 #include "engine/mobility.h"
 #include "engine/scratch.h"
 #include "engine/state.h"
@@ -35,6 +36,11 @@ namespace mujoco_impact::engine {
 // Both are left pending in the pulses.
 void FollowLines(const mjModel* m, const mjData* d, const Mobility& mobility, State& state,
                  Scratch& scratch);
+
+// Once the impacts of the step are known: delivers all that is left of the sets that would
+// otherwise end the step with more energy than they are to leave.
+void EndOverfullByImpacts(const mjModel* m, const mjData* d, const Mobility& mobility, State& state,
+                          const Delivery& delivery, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

@@ -49,6 +49,8 @@ struct Pulse {
   bool under_way() const { return serial > 0 && delivered < 1; }
   // What is yet to come in this step and after it [N s].
   double remaining() const { return scale_next * impulse * (1 - delivered); }
+  // What is yet to come after this step [N s].
+  double remaining_next() const { return scale_next * impulse * (1 - delivered_next); }
   bool slides() const { return tangent[0] != 0 || tangent[1] != 0 || tangent[2] != 0; }
 };
 
@@ -120,6 +122,14 @@ template <typename AnyState, typename Visit>
 void ForPulsesUnderWay(AnyState& state, Visit visit) {
   for (int i = 0; i < state.slots(); ++i) {
     if (state.pulse(i).under_way()) visit(state.pulse(i));
+  }
+}
+
+// Visits these and the pulses that begin in this step, those that come at once included.
+template <typename AnyState, typename Visit>
+void ForPulsesOfStep(AnyState& state, Visit visit) {
+  for (int i = 0; i < state.slots(); ++i) {
+    if (state.pulse(i).serial < 0 || state.pulse(i).under_way()) visit(state.pulse(i));
   }
 }
 

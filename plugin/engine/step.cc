@@ -9,6 +9,7 @@
 #include "engine/runge_kutta.h"
 #include "engine/scratch.h"
 #include "engine/sensor.h"
+#include "engine/settled_energy.h"
 #include "engine/slots.h"
 #include "engine/state.h"
 
@@ -50,6 +51,9 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   Delivery delivery = MakeDelivery(m, scratch);
   if (pulses) DeliverActive(m, d, mobility, state, delivery, scratch);
   if (closing) ResolveImpacts(m, d, instance, mobility, state, delivery, scratch);
+  if (pulses && state.header().pending_pulses > 0) {
+    EndOverfullByImpacts(m, d, mobility, state, delivery, scratch);
+  }
   Apply(m, d, mobility, state, delivery, scratch);
   NoteCarried(m, d, instance, state);
   ComputeSensors(m, d, instance, true);

@@ -37,6 +37,8 @@ FOUND = {
     "the error of the law passed for one of symmetry": "961 1223 2885 3813 8155 9773",
     "a pulse that outlasts the step kept others from closing": "4244",
     "what closed before an impact was not seen to close after it": "386",
+    "a pulse under way left one round for all impacts of a step": "9535",
+    "a crowd was one problem of a million couplings": "6586",
     "rounding ended a pulse": "4100",
     "rounding decided how stiff bodies are": "2552 7712",
     "a sleeping tree was read before it was written": "9466",

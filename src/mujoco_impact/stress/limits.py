@@ -23,19 +23,6 @@ HARD = 0.3
 """Part of the closing speed by which other forces may change a speed within a step."""
 
 
-AMPLIFIED, MOST_ACCELERATION = 100.0, 1e10
-"""Speed of the lightest ball behind heavier ones, over that of the first impact; and
-mjMAXVAL, from which on MuJoCo resets a state [m/s^2, rad/s^2]."""
-
-RATTLING, LIGHT = 0.7, 5.0
-"""Restitution below which, and mass ratio above which, a light ball between two heavy
-ones rattles for many contact times before they all go together."""
-
-
-UNEQUAL = 1e3
-"""Mass ratio from which on a blow in the middle of a pulse may add energy."""
-
-
 @dataclasses.dataclass(frozen=True)
 class Limit:
     """One documented limit.
@@ -100,49 +87,12 @@ def _is_held(evidence: Evidence) -> bool:
     return run.limited or (run.native and not case.is_free)
 
 
-def _runs_out_of_slots(evidence: Evidence) -> bool:
-    return evidence.run.missed > 0
-
-
-def _rattles(evidence: Evidence) -> bool:
-    """Whether light balls may rattle between heavy ones until they all go together."""
-    case = evidence.case
-    mass = evidence.run.balls.mass
-    return (
-        case.count > 2
-        and case.restitution < RATTLING
-        and float(mass.max() / mass.min()) > LIGHT
-    )
-
-
-def _is_struck_in_mid_pulse(evidence: Evidence) -> bool:
-    """Whether very unequal balls are struck again while a long pulse acts on them."""
-    mass, timestep = evidence.run.balls.mass, evidence.case.timestep
-    if mass.max() < UNEQUAL * mass.min():
-        return False
-    impacts = evidence.run.impacts
-    return any(
-        first.duration > timestep
-        and first.time < second.time < first.time + first.duration
-        and set(first.geoms) & set(second.geoms)
-        for first in impacts
-        for second in impacts
-    )
-
-
 def _spins(evidence: Evidence) -> bool:
     """Whether a hinge turns by more than the path within a step can follow."""
     case = evidence.case
     if case.joint != "pendulum":
         return False
     return FASTEST * case.speed * case.timestep > ARM * case.radius
-
-
-def _exceeds_numbers(evidence: Evidence) -> bool:
-    """Whether a blow to a light ball may exceed what MuJoCo takes for a sane state."""
-    case = evidence.case
-    arm = ARM * case.radius if case.joint == "pendulum" else 1.0
-    return AMPLIFIED * case.speed / case.timestep / arm > MOST_ACCELERATION
 
 
 def _is_divided(evidence: Evidence) -> bool:
@@ -188,30 +138,10 @@ LIMITS = (
         _is_held,
     ),
     Limit(
-        "rattling",
-        "a light ball with losses between heavy ones (e < 0.7, masses 1:5 and more) "
-        "bounces until all go together, for up to 100 contact times and more",
-        frozenset({"pulse length"}) | _SYMMETRY,
-        _rattles,
-    ),
-    Limit(
-        "struck in mid-pulse",
-        "a ball is struck again while a pulse of more than a step acts on it, masses "
-        "1:1000 and more: the lines may turn before the pulse has done its work",
-        _ENERGY,
-        _is_struck_in_mid_pulse,
-    ),
-    Limit(
         "spins",
         "a hinge turns by more than a radian in a step",
         frozenset({"finite", "pulse length"}) | _ENERGY | _SYMMETRY | _SHAPE,
         _spins,
-    ),
-    Limit(
-        "too hard a blow",
-        "a blow may exceed 1e10 m/s^2 or rad/s^2, where MuJoCo takes a state for lost",
-        frozenset({"finite"}),
-        _exceeds_numbers,
     ),
     Limit(
         "divided",
@@ -219,13 +149,6 @@ LIMITS = (
         "steady force to the other",
         frozenset({"pulse length"}) | _ENERGY | _SYMMETRY | _SHAPE,
         _is_divided,
-    ),
-    Limit(
-        "out of slots",
-        "more pulses under way than the state has slots: the rest is delivered at "
-        "once, and which are the rest depends on the order",
-        _SYMMETRY,
-        _runs_out_of_slots,
     ),
 )
 
