@@ -138,7 +138,24 @@ def test_a_dm_control_physics_can_be_pickled_and_copied():
         env.step([1.0])
     for duplicate in (copy.deepcopy, lambda e: pickle.loads(pickle.dumps(e))):
         twin = duplicate(env)
+        # dm_control's own copies go back to legacy steps, which show in mid-impact
+        assert not twin.physics.legacy_step
         for _ in range(30):
             one, other = env.step([-1.0]), twin.step([-1.0])
         for name, value in one.observation.items():
             np.testing.assert_array_equal(value, other.observation[name])
+
+
+@pytest.mark.parametrize("legacy", [False, True])
+def test_a_copied_dm_control_physics_steps_as_the_original_does(legacy):
+    pytest.importorskip("dm_control")
+    from mujoco_impact import envs
+
+    env = envs.load("cradle", "strike", environment_kwargs={"legacy_step": legacy})
+    physics = env.physics
+    for twin in (
+        physics.copy(),
+        copy.deepcopy(physics),
+        physics.copy(share_model=True),
+    ):
+        assert twin.legacy_step is legacy

@@ -31,7 +31,28 @@ SUITE = containers.TaggedTasks()
 
 
 class Physics(mujoco.Physics):  # type: ignore[misc]
-    """Physics of the cradle."""
+    """Physics of the cradle.
+
+    A copy or a pickle steps as the original does: dm_control's own loses what the
+    environment has set, and goes on with legacy steps.
+    """
+
+    legacy_step: bool = False
+
+    def __getstate__(self) -> tuple[Any, bool]:
+        """Returns model, state and the way of stepping."""
+        return super().__getstate__(), self.legacy_step
+
+    def __setstate__(self, state: tuple[Any, bool]) -> None:
+        """Takes what `__getstate__` returned."""
+        data, self.legacy_step = state
+        super().__setstate__(data)
+
+    def copy(self, share_model: bool = False) -> Physics:
+        """Returns a copy; see `dm_control.mujoco.Physics.copy`."""
+        twin: Physics = super().copy(share_model=share_model)
+        twin.legacy_step = self.legacy_step
+        return twin
 
 
 class Task(base.Task):  # type: ignore[misc]
