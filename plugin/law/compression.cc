@@ -17,6 +17,9 @@ namespace {
 // Below this restitution the expansion is so fast that it is over at once (e² < 1e-6 of the work).
 constexpr double kNoExpansion = 1e-3;
 
+// Of the compression allowed by the tolerance: by how much missing a turn may put it off.
+constexpr double kTurnError = 0.3;
+
 // Coefficients of RKN4(3)4FM: nodes 0, 1/4, 7/10, 1; the last stage is the first of the next step.
 constexpr double kNode2 = 1.0 / 4, kNode3 = 7.0 / 10;
 constexpr double kStage2 = 1.0 / 32;
@@ -38,7 +41,8 @@ class Integrator {
  private:
   void EvaluateStage(const double* y, int stage);
   double TryStep(double h);
-  double FractionToTurn() const;
+  bool OvershootsTurn(int i, double h) const;
+  double FractionToTurn(double h) const;
   void Accept(double h);
   void NoteOnsets();
   void UpdatePhases();
@@ -132,15 +136,27 @@ double Integrator::TryStep(double h) {
          problem_.tolerance;
 }
 
+// Whether a step of length h has followed the contact of lane i too far beyond its turn: for δt, in
+// which y went at the rate before, c to c_new, and y is off by ½ |c_new| δt (1/e² − 1).
+bool Integrator::OvershootsTurn(int i, double h) const {
+  const double e = problem_.restitution, c = lanes_.c[i], c_new = c_new_[i];
+  if (y_new_[i] <= 0 || c * c_new >= 0) return false;
+  const double c_floor = kSpeedFloor * problem_.tolerance * scale_.speed;
+  if (std::abs(c_new) <= c_floor) return false;
+  // a compression that is dropped at the turn has pressed too long
+  if (drops_expansion_) return true;
+  const double overshoot = h * c_new / (c_new - c);
+  const double error = 0.5 * std::abs(c_new) * overshoot * (1 / (e * e) - 1);
+  return error > kTurnError * problem_.tolerance * scale_.compression;
+}
+
 // Part of the step tried after which the first compressed contact turns from compression to
 // expansion or back; 1 if none does. The rate of y changes there, so the step must end there.
-double Integrator::FractionToTurn() const {
+double Integrator::FractionToTurn(double h) const {
   const double* c = lanes_.c;
-  const double c_floor = kSpeedFloor * problem_.tolerance * scale_.speed;
   double fraction = 1;
   for (int i = 0; i < lanes_.size(); ++i) {
-    const bool turned = c[i] * c_new_[i] < 0 && std::abs(c_new_[i]) > c_floor;
-    if (y_new_[i] > 0 && turned) fraction = std::min(fraction, c[i] / (c[i] - c_new_[i]));
+    if (OvershootsTurn(i, h)) fraction = std::min(fraction, c[i] / (c[i] - c_new_[i]));
   }
   return fraction;
 }
@@ -288,7 +304,7 @@ ImpactReport Integrator::Run() {
       continue;
     }
     // two secant steps put the turn within the speed floor, which the phase allows for
-    const double fraction = lossless_ || turns == 3 ? 1 : FractionToTurn();
+    const double fraction = lossless_ || turns == 3 ? 1 : FractionToTurn(h);
     if (fraction < 1) {
       h *= std::max(fraction, 1e-3);
       ++turns;
