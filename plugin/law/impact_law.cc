@@ -15,6 +15,9 @@ namespace mujoco_impact::law {
 
 namespace {
 
+// A factor beyond is no correction: the pushes cancel each other.
+constexpr double kMostScale = 10;
+
 ImpactReport SolveIsolated(const ImpactProblem& problem, ImpactSolution* solution) {
   const double u = problem.closing_speed[0];
   solution->impulse[0] = solution->moment[0] = solution->onset[0] = 0;
@@ -52,11 +55,14 @@ ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolut
                                      workspace.numbers);
   // also one that was cut: what is pressed into contacts then is given back
   const double factor = problem.restitution == 1 ? s : std::min(1.0, s);
-  if (s > 0) {
+  if (s > 0 && s < kMostScale) {
     Scale(factor, n, solution->impulse);
     Scale(factor, n, solution->moment);
-    SpeedsAfter(problem, *solution);
+  } else {
+    RemoveGain(problem.delassus, problem.closing_speed, solution->impulse, solution->moment,
+               workspace.numbers);
   }
+  SpeedsAfter(problem, *solution);
   return report;
 }
 

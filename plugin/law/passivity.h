@@ -23,6 +23,18 @@ double KineticEnergyChange(const DelassusMatrix& delassus, const double* closing
 double ConservativeScale(const DelassusMatrix& delassus, const double* closing_speed,
                          const double* impulse, double* work);
 
+// Takes away the energy that the impulses add, if any, where no factor does: pushes that cancel
+// each other, as those on a body that bounced to and fro, do no work together, and what they add is
+// the error of the integration. With the closing speeds c' = c − W P that they leave,
+//
+//   P + λ d,    d = D⁻¹ c',  D the diagonal of W
+//
+// with the smaller root of ½ dᵀW d λ² − c'ᵀd λ + ΔT = 0 takes away just that much: it
+// pushes more where contacts still close and less where they part. `moment` goes along; `work`
+// holds 3 × `size` numbers.
+void RemoveGain(const DelassusMatrix& delassus, const double* closing_speed, double* impulse,
+                double* moment, double* work);
+
 // min(1, s*): the factor that the guard applies to every impulse of the island.
 double PassiveScale(const DelassusMatrix& delassus, const double* closing_speed,
                     const double* impulse, double* work);

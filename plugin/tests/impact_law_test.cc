@@ -213,6 +213,34 @@ TEST(Passivity, TheConservativeScaleConservesEnergy) {
   EXPECT_LT(PassiveScale(matrix.View(), closing, impulse, work), 1);
 }
 
+// A ball that bounced to and fro between two walls: no factor changes what the pushes do together.
+// Found by the law fuzzer.
+TEST(Passivity, TheGainOfPushesThatCancelIsRemoved) {
+  const int row_start[] = {0, 2, 4}, column[] = {0, 1, 0, 1};
+  const double value[] = {5, -5, -5, 5}, diagonal[] = {5, 5};
+  const DelassusMatrix W{2, row_start, column, value, diagonal};
+  const double closing[] = {0.3, -0.3};
+  double impulse[] = {0.12, 0.12 + 1e-8}, moment[] = {0.6, 1.2}, work[6];
+  EXPECT_EQ(ConservativeScale(W, closing, impulse, work), 0);
+  EXPECT_GT(KineticEnergyChange(W, closing, impulse, work), 1e-9);
+  RemoveGain(W, closing, impulse, moment, work);
+  // the last bits of .036 J
+  EXPECT_NEAR(KineticEnergyChange(W, closing, impulse, work), 0, 1e-16);
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_NEAR(impulse[k], 0.12, 2e-8);
+    EXPECT_NEAR(moment[k] / impulse[k], k == 0 ? 5 : 10, 1e-6);
+  }
+}
+
+TEST(Passivity, PushesThatGainNothingAreLeftAsTheyAre) {
+  const RowMatrix matrix({0.1, 0.3, 0.2});
+  const double closing[] = {1.0, 0.2};
+  double impulse[] = {0.05, 0.01}, moment[] = {1, 2}, work[6];
+  RemoveGain(matrix.View(), closing, impulse, moment, work);
+  EXPECT_EQ(impulse[0], 0.05);
+  EXPECT_EQ(moment[1], 2);
+}
+
 TEST(Passivity, ImpulsesOnOpeningContactsAreRefused) {
   const RowMatrix matrix({0.1, 0.3});
   const double closing[] = {-1.0}, impulse[] = {0.5};
