@@ -5,6 +5,7 @@
 #include "engine/deliver.h"
 #include "engine/gather.h"
 #include "engine/motion.h"
+#include "engine/rigid_flight.h"
 #include "engine/runge_kutta.h"
 #include "engine/scratch.h"
 #include "engine/slots.h"
@@ -44,6 +45,7 @@ void CommitStep(const mjModel* m, mjData* d, int instance) {
   header.stage_open = 0;
   WarnIfSilenced(m, d, header.touch);
   if (header.pending != 0) {
+    CommitFlights(m, d, state);
     if (half_step_missing) CorrectForEuler(m, d, state);
     mj_integratePos(m, d->qpos, state.correction(), 1);
     Scratch scratch(d);

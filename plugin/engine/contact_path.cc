@@ -36,6 +36,7 @@ ContactAnchor AnchorContact(const mjModel* m, const mjData* d, const mjContact& 
     position[i] = Load(anchor.sphere[i] ? d->geom_xpos + 3 * geom : contact.pos);
     anchor.local[i] = RotateBack(d->xmat + 9 * body, position[i] - Load(d->xpos + 3 * body));
   }
+  anchor.carried = IsCarried(contact);
   anchor.rest = Separation(anchor, position[0], position[1]) - contact.dist;
   return anchor;
 }
@@ -82,6 +83,12 @@ Vector3 ContactPath::DistanceRate(mjtNum tau) const {
 }
 
 mjtNum ContactPath::GapRate(mjtNum tau) const { return Dot(Normal(tau), DistanceRate(tau)); }
+
+mjtNum ContactPath::RestSpeed(const mjModel* m, mjtNum tau) const {
+  if (anchor_.carried) return LargestRestSpeed(m);
+  const Vector3 opening = of_side_[1].acceleration - of_side_[0].acceleration;
+  return engine::RestSpeed(m, -Dot(Normal(tau), opening));
+}
 
 mjtNum ContactPath::NearestTime(mjtNum from, mjtNum end) const {
   if (!anchor_.spheres()) return end;

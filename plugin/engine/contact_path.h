@@ -15,7 +15,9 @@
 #include <mujoco/mujoco.h>
 
 #include "engine/motion.h"
+#include "engine/ownership.h"
 #include "engine/point.h"
+#include "engine/rest.h"
 
 namespace mujoco_impact::engine {
 
@@ -23,10 +25,12 @@ namespace mujoco_impact::engine {
 // every step pays per contact.
 mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& contact);
 
-// Whether the contact may be deeper than `touch` at the end of the step.
+// Whether the contact may be deeper than `touch` at the end of the step; one that MuJoCo carries,
+// faster than at rest.
 inline bool MayClose(const mjModel* m, const mjData* d, const mjContact& contact, mjtNum touch) {
   const mjtNum c = ClosingSpeed(m, d, contact);
-  return c > 0 && contact.dist - c * m->opt.timestep < -touch;
+  if (c <= 0 || contact.dist - c * m->opt.timestep >= -touch) return false;
+  return !IsCarried(contact) || c > LargestRestSpeed(m);
 }
 
 // A contact as two points of its bodies, so that its gap is known wherever the bodies are.
@@ -36,6 +40,7 @@ struct ContactAnchor {
   bool sphere[2];    // the side is a sphere, its point the centre
   Vector3 normal;    // from geom[0] to geom[1], for other than two spheres
   mjtNum rest;       // distance of the points at which the gap is zero
+  bool carried;      // MuJoCo's solver holds the contact
 
   bool spheres() const { return sphere[0] && sphere[1]; }
 };
@@ -55,6 +60,8 @@ class ContactPath {
   }
   mjtNum Gap(mjtNum tau) const;
   mjtNum GapRate(mjtNum tau) const;
+  // The speed up to which the contact is at rest [m/s].
+  mjtNum RestSpeed(const mjModel* m, mjtNum tau) const;
   Vector3 Normal(mjtNum tau) const;
   // How fast the normal turns [rad/s].
   mjtNum TurnRate(mjtNum tau) const;

@@ -46,6 +46,23 @@ Delivery MakeDelivery(const mjModel* m, Scratch& scratch) {
   return {scratch.Zeros(m->nv), scratch.Zeros(m->nv), scratch.Zeros(m->nv), scratch.Zeros(m->nv)};
 }
 
+Kicks MakeKicks(const mjModel* m, Scratch& scratch) {
+  return {scratch.Zeros(m->nv), scratch.Zeros(m->nv), scratch.Zeros(m->nv), false};
+}
+
+void AddKicks(const mjModel* m, const mjData* d, const Kicks& kicks, const Delivery& delivery,
+              Scratch& scratch) {
+  if (!kicks.any) return;
+  mjtNum* impulse = scratch.Take<mjtNum>(m->nv);
+  const auto add = [&](const mjtNum* kick, mjtNum* sum) {
+    mj_mulM(m, d, impulse, kick);
+    mju_addTo(sum, impulse, m->nv);
+  };
+  add(kicks.velocity, delivery.impulse);
+  add(kicks.moment, delivery.moment);
+  add(kicks.second, delivery.second);
+}
+
 void AddTo(const mjModel* m, const Delivery& within, Delivery& delivery) {
   mju_addTo(delivery.impulse, within.impulse, m->nv);
   mju_addTo(delivery.moment, within.moment, m->nv);

@@ -33,6 +33,21 @@ struct Delivery {
 
 Delivery MakeDelivery(const mjModel* m, Scratch& scratch);
 
+// Sums over the impulses that came where the inertia was another than at the start of the step
+// (nv each), with that inertia.
+struct Kicks {
+  mjtNum* velocity;  // Σ M⁻¹Jᵀ ΔP
+  mjtNum* moment;    // Σ M⁻¹Jᵀ M₁
+  mjtNum* second;    // Σ M⁻¹Jᵀ M₂
+  bool any;
+};
+
+Kicks MakeKicks(const mjModel* m, Scratch& scratch);
+
+// Adds the impulses that cause the kicks at the start of the step: M ΔV.
+void AddKicks(const mjModel* m, const mjData* d, const Kicks& kicks, const Delivery& delivery,
+              Scratch& scratch);
+
 // Adds impulses that came within the step.
 void AddTo(const mjModel* m, const Delivery& within, Delivery& delivery);
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "engine/islands.h"
+#include "engine/narrow_phase.h"
+#include "engine/rigid_flight.h"
 
 namespace mujoco_impact::engine {
 
@@ -12,6 +14,8 @@ namespace {
 
 // Of a step: as late as a closing may be noticed that the scan of the last step could not see.
 constexpr mjtNum kLatest = 0.25;
+
+constexpr mjtNum kFarAway = 1e10;  // [m]
 
 // Whether the contact closes in the rest of the step. Its bodies are on this path since `since`,
 // from the time of the outlook [s].
@@ -23,6 +27,7 @@ bool IsDue(const mjModel* m, const mjData* d, const Outlook& outlook, const Moti
   const mjtNum late = outlook.start == 0 ? kLatest * h : outlook.start;
   const ContactPath path(m, d, anchor, outlook.motion);
   if (!path.ClosingTime(from, end, late, touch, tau)) return false;
+  if (-path.GapRate(*tau) <= path.RestSpeed(m, *tau)) return false;
   if (outlook.start > 0) *tau = std::max(*tau, since);
   // with pulses under way, a contact that they will part is not an impact
   return !outlook.arrears || ContactPath(m, d, anchor, settled).Closes(0, h, touch);
@@ -39,41 +44,118 @@ mjtNum FreeSince(const mjModel* m, const mjContact& contact, const mjtNum* busy)
   return free;
 }
 
+bool SamePair(const mjContact& a, const mjContact& b) {
+  return a.geom[0] == b.geom[0] && a.geom[1] == b.geom[1];
+}
+
+// Room for the points that pairs may touch in beyond those that they have now.
+int RoomForPoints(const mjModel* m, const mjContact* const* contacts, int count) {
+  constexpr int kMorePoints = 8;
+  int room = 0;
+  for (int k = 0; k < count; ++k) {
+    const bool first = k == 0 || !SamePair(*contacts[k - 1], *contacts[k]);
+    if (first && !FollowsFromCentres(m, *contacts[k])) room += kMorePoints;
+  }
+  return room;
+}
+
+// Puts a point in place of contact k.
+void Replace(const mjContact& point, int k, Gathered& gathered) {
+  gathered.found[k] = point;
+  gathered.contact[k] = gathered.found + k;
+  gathered.anchored[k] = false;
+  gathered.relevant[k] = true;
+  gathered.idle[k] = gathered.due[k] = gathered.near[k] = false;
+  gathered.lowest[k] = point.dist;
+}
+
+// Whether the inertia of the tree stays as it is while its bodies move: one joint, or a free body
+// whose centre does not go around it.
+bool KeepsInertia(const mjModel* m, int tree) {
+  if (tree < 0 || m->tree_dofnum[tree] == 1) return true;
+  const int first = m->tree_dofadr[tree];
+  if (m->tree_dofnum[tree] == 6 && m->jnt_type[m->dof_jntid[first]] == mjJNT_FREE) {
+    return !IsTumbling(m, tree);
+  }
+  for (int dof = first; dof < first + m->tree_dofnum[tree]; ++dof) {
+    if (m->jnt_type[m->dof_jntid[dof]] != mjJNT_SLIDE) return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+bool IsOnPath(const mjModel* m, const mjContact& contact) {
+  const auto [first, second] = TreesOf(m, contact).tree;
+  return FollowsFromCentres(m, contact) && KeepsInertia(m, first) && KeepsInertia(m, second);
+}
+
+void FindPointsAgain(const mjModel* m, mjData* d, const int* position, int count,
+                     Gathered& gathered, Scratch& scratch) {
+  mjContact* points = scratch.Take<mjContact>(kMostPoints);
+  for (int a = 0; a < count; ++a) {
+    const int first = position[a];
+    mjContact like = *gathered.contact[first];
+    if (FollowsFromCentres(m, like) || !CanBeAsked(m, like)) continue;
+    bool done = false;
+    for (int b = 0; b < a && !done; ++b) done = SamePair(*gathered.contact[position[b]], like);
+    if (done) continue;
+    const int known = gathered.count;
+    const int number = FindPoints(m, d, like, gathered.farthest, points);
+    // a point that is gone is as good as one that is far away
+    like.dist = kFarAway;
+    int next = 0;
+    for (int k = 0; k < known; ++k) {
+      if (!SamePair(*gathered.contact[k], like)) continue;
+      Replace(next < number ? points[next] : like, k, gathered);
+      ++next;
+    }
+    for (; next < number && gathered.count < gathered.room; ++next) {
+      Replace(points[next], gathered.count++, gathered);
+    }
+  }
+}
 
 bool AnyMayClose(const mjModel* m, const mjData* d, mjtNum touch) {
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
-    if (IsReleased(contact) && MayClose(m, d, contact, touch)) return true;
+    if (IsOffered(contact) && MayClose(m, d, contact, touch)) return true;
   }
   return false;
 }
 
 Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership,
                         Scratch& scratch) {
-  int* owned = scratch.Take<int>(d->ncon);
+  const mjContact** owned = scratch.Take<const mjContact*>(d->ncon);
   int count = 0;
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
-    if (!IsReleased(contact) || !ownership.Owns(contact)) continue;
+    if (!IsOffered(contact) || !ownership.Owns(contact)) continue;
     const ContactTrees trees = TreesOf(m, contact);
-    if (trees.tree[0] >= 0 || trees.tree[1] >= 0) owned[count++] = i;
+    if (trees.tree[0] >= 0 || trees.tree[1] >= 0) owned[count++] = &contact;
   }
+  const int room = count + RoomForPoints(m, owned, count);
+  const mjContact** contacts = scratch.Take<const mjContact*>(room);
+  std::copy_n(owned, count, contacts);
   Gathered gathered{count,
-                    owned,
-                    scratch.Take<ContactAnchor>(count),
-                    scratch.Take<bool>(count),
-                    scratch.Take<mjtNum>(count),
-                    scratch.Take<bool>(count),
-                    scratch.Take<bool>(count),
-                    scratch.Take<bool>(count),
-                    scratch.Take<bool>(count),
-                    scratch.Take<mjtNum>(count)};
+                    room,
+                    contacts,
+                    room > count ? scratch.Take<mjContact>(room) : nullptr,
+                    0,
+                    scratch.Take<ContactAnchor>(room),
+                    scratch.Take<bool>(room),
+                    scratch.Take<mjtNum>(room),
+                    scratch.Take<bool>(room),
+                    scratch.Take<bool>(room),
+                    scratch.Take<bool>(room),
+                    scratch.Take<bool>(room),
+                    scratch.Take<mjtNum>(room)};
   std::fill_n(gathered.anchored, count, false);
   std::fill_n(gathered.relevant, count, true);
   std::fill_n(gathered.idle, count, false);
   for (int k = 0; k < count; ++k) {
-    const mjContact& contact = d->contact[owned[k]];
+    const mjContact& contact = *owned[k];
+    gathered.farthest = std::max(gathered.farthest, contact.dist);
     const mjtNum speed = std::max<mjtNum>(0, ClosingSpeed(m, d, contact));
     gathered.lowest[k] = contact.dist - speed * m->opt.timestep;
   }
@@ -82,7 +164,7 @@ Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& owne
 
 const ContactAnchor& Anchor(const mjModel* m, const mjData* d, Gathered& gathered, int k) {
   if (!gathered.anchored[k]) {
-    gathered.anchor[k] = AnchorContact(m, d, d->contact[gathered.contact[k]]);
+    gathered.anchor[k] = AnchorContact(m, d, *gathered.contact[k]);
     gathered.anchored[k] = true;
   }
   return gathered.anchor[k];
@@ -107,7 +189,7 @@ bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum t
   if (outlook.arrears) settled.velocity = SettledVelocity(m, outlook, 0, scratch);
   bool any = false;
   for (int k = 0; k < gathered.count; ++k) {
-    const mjContact& contact = d->contact[gathered.contact[k]];
+    const mjContact& contact = *gathered.contact[k];
     gathered.due[k] = false;
     if (!gathered.relevant[k] || gathered.idle[k]) continue;
     // the bodies are still where MuJoCo found the contact: its velocities tell

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds the contacts that close within the step.
 //
-// In order, each a reason to stop: no contact that was released to us; none that may close by the
+// In order, each a reason to stop: no contact that is offered to us; none that may close by the
 // velocities MuJoCo has at hand; only then the path of the bodies and the time of closing.
 
 #ifndef MUJOCO_IMPACT_ENGINE_GATHER_H_
@@ -16,14 +16,16 @@
 
 namespace mujoco_impact::engine {
 
-// Whether any released contact may close within the step: all that most steps ever ask.
+// Whether any contact that is offered may close within the step: all that most steps ever ask.
 bool AnyMayClose(const mjModel* m, const mjData* d, mjtNum touch);
 
 // The owned contacts between bodies of which at least one moves.
 struct Gathered {
-  int count;
-  int* contact;           // indices into mjData.contact
-  ContactAnchor* anchor;  // the same, wherever the bodies are; valid where `anchored`
+  int count, room;            // room: for points that are found later
+  const mjContact** contact;  // where MuJoCo found them, or as they were found since
+  mjContact* found;           // those, null if all follow from centres
+  mjtNum farthest;            // the largest distance of one of them at the start of the step [m]
+  ContactAnchor* anchor;      // the same, wherever the bodies are; valid where `anchored`
   bool* anchored;
   mjtNum* lowest;  // gap that it has at least by the end of the step, if nothing strikes [m]
   bool* relevant;  // whether it may still close: it was struck, or waits for its turn
@@ -35,6 +37,15 @@ struct Gathered {
 
 Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership,
                         Scratch& scratch);
+
+// Whether the path of the contact is that of two points of bodies whose inertia stays as it is;
+// otherwise its impact is found where the bodies are when it comes.
+bool IsOnPath(const mjModel* m, const mjContact& contact);
+
+// Asks MuJoCo's narrow phase where the contacts among `position` that are not on a path touch now.
+// Points that are gone are relevant no more; new ones are appended.
+void FindPointsAgain(const mjModel* m, mjData* d, const int* position, int count,
+                     Gathered& gathered, Scratch& scratch);
 
 // The anchor of contact k, made while the bodies are still where MuJoCo found the contacts.
 const ContactAnchor& Anchor(const mjModel* m, const mjData* d, Gathered& gathered, int k);

@@ -14,6 +14,7 @@
 #include "engine/ownership.h"
 #include "engine/reach.h"
 #include "engine/resolve.h"
+#include "engine/rigid_flight.h"
 #include "engine/slots.h"
 #include "engine/struck.h"
 
@@ -46,14 +47,25 @@ class Resolver {
         scratch_(scratch),
         bent_(ActiveEnd(state) > kShortPulses * m->opt.timestep),
         impacts_(bent_ ? MakeDelivery(m, scratch) : delivery),
+        kicks_(MakeKicks(m, scratch)),
         contacts_(GatherContacts(m, d, ownership_, scratch)),
-        struck_(m, d, mobility, scratch) {}
+        struck_(m, d, mobility, scratch),
+        start_(LookAhead(m, d, mobility, delivery, bent_, scratch)),
+        flights_(m, d, start_.motion, state.header().active > 0, scratch),
+        bodies_(m, d, mobility, start_, flights_, scratch) {}
 
   void Run();
 
+  const RigidFlights& flights() const { return flights_; }
+
  private:
   void RunRounds();
-  void ResolveRound(const Outlook& outlook);
+  void ResolveRound(Outlook& outlook);
+  void ResolveIslands(const Outlook& outlook, const Islands& islands, const ImpactTime* times,
+                      const int* order);
+  Islands FindRound(const Outlook& outlook, Scratch& scratch);
+  bool IsOnPath(const int* position, int count) const;
+  bool Approach(Outlook& outlook, const ImpactTime& time, const int* position, int count);
   bool ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, const int* position,
                        int count);
   void ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
@@ -61,7 +73,8 @@ class Resolver {
   static void ComeAtOnce(const ImpactTime& time, int count, Impact* impacts);
   void AddImpacts(const IslandSystem& system, const ImpactTime& time, const Impact* impacts,
                   const int* position);
-  void AddImpact(const ContactRow& row, const Impact& impact);
+  void AddImpact(const ContactRow& row, const ImpactTime& time, const Impact& impact);
+  void AddShare(const ContactRow& row, const ImpactTime& time, const Share& share, bool at_once);
   void AnchorAll();
   bool ResolvePartOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
   bool MoreMayClose(const Outlook& outlook);
@@ -76,8 +89,14 @@ class Resolver {
   Scratch& scratch_;
   const bool bent_;         // pulses under way last on and bend the path
   const Delivery impacts_;  // what comes at times within the step
+  Kicks kicks_;
   Gathered contacts_;
   Struck struck_;
+  const Outlook start_;
+  RigidFlights flights_;
+  BodiesInStep bodies_;
+  const mjtNum* path_velocity_ = nullptr;  // of the outlook of the round (nv)
+  bool there_ = false;    // the bodies are where the impact at hand begins, and so is their inertia
   bool last_ = false;     // no further round is possible
   bool crowded_ = false;  // an island was too large to be resolved as a whole
   mjtNum flight_ = 0;
@@ -87,16 +106,41 @@ class Resolver {
 
 // Delivers the part of a new pulse that belongs to this step: all of it, by its moment, if the
 // impact comes at once.
-void Resolver::AddImpact(const ContactRow& row, const Impact& impact) {
+void Resolver::AddImpact(const ContactRow& row, const ImpactTime& time, const Impact& impact) {
   const Pulse pulse = MakePulse(d_, row, impact, config_, state_);
   const Share whole{impact.impulse, impact.moment, 1};
   const Share share =
       impact.at_once ? whole : ShareOfStep(pulse, state_.header().clock, m_->opt.timestep);
   AddPending(state_, pulse, share.delivered_next);
-  AddRowTransposed(m_, row, share.impulse, impacts_.impulse);
-  AddRowTransposed(m_, row, share.moment, impacts_.moment);
-  AddRowTransposed(m_, row, SecondMoment(share), impacts_.second);
+  AddShare(row, time, share, impact.at_once);
   struck_.Add(row, share.impulse, impact.impulse - share.impulse);
+}
+
+// To each tree in its own way: tumbling bodies fly on, what was found at another inertia is a
+// change of velocity, all else an impulse.
+void Resolver::AddShare(const ContactRow& row, const ImpactTime& time, const Share& share,
+                        bool at_once) {
+  Scratch scratch(d_);
+  for (const RowSegment& segment : row.segment) {
+    if (segment.tree < 0) continue;
+    const int begin = m_->tree_dofadr[segment.tree], dofs = m_->tree_dofnum[segment.tree];
+    const mjtNum second = SecondMoment(share);
+    if (at_once && flights_.Has(segment.tree)) {
+      mjtNum* kick = scratch.Take<mjtNum>(2 * dofs);
+      mju_scl(kick, segment.inverse_inertia, share.impulse, dofs);
+      mju_scl(kick + dofs, segment.inverse_inertia, share.moment, dofs);
+      flights_.Add(d_, segment.tree, time.start, path_velocity_, kick, kick + dofs);
+    } else if (there_) {
+      kicks_.any = true;
+      mju_addToScl(kicks_.velocity + begin, segment.inverse_inertia, share.impulse, dofs);
+      mju_addToScl(kicks_.moment + begin, segment.inverse_inertia, share.moment, dofs);
+      mju_addToScl(kicks_.second + begin, segment.inverse_inertia, second, dofs);
+    } else {
+      mju_addToScl(impacts_.impulse + begin, segment.jacobian, share.impulse, dofs);
+      mju_addToScl(impacts_.moment + begin, segment.jacobian, share.moment, dofs);
+      mju_addToScl(impacts_.second + begin, segment.jacobian, second, dofs);
+    }
+  }
 }
 
 ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, int count) const {
@@ -157,7 +201,7 @@ void Resolver::AddImpacts(const IslandSystem& system, const ImpactTime& time, co
   for (int k = 0; k < system.size; ++k) {
     const int i = position[k];
     if (impacts[k].impulse > 0) {
-      AddImpact(system.row[k], impacts[k]);
+      AddImpact(system.row[k], time, impacts[k]);
       end = std::max(end, impacts[k].onset + impacts[k].duration);
     } else if (contacts_.due[i]) {
       left_ = std::min(left_, time.start + contacts_.tau[i]);
@@ -204,32 +248,88 @@ void Resolver::ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int
   }
 }
 
-void Resolver::ResolveRound(const Outlook& outlook) {
-  Scratch scratch(d_);
+Islands Resolver::FindRound(const Outlook& outlook, Scratch& scratch) {
   const mjtNum reach = ReachOfRound(m_, d_, config_, outlook, flight_, contacts_);
   FindNear(m_, d_, outlook, reach, contacts_);
-  const Islands islands = FindIslands(m_, d_, mobility_, contacts_.contact, contacts_.due,
-                                      contacts_.near, contacts_.count, scratch);
+  return FindIslands(m_, mobility_, contacts_.contact, contacts_.due, contacts_.near,
+                     contacts_.count, scratch);
+}
+
+bool Resolver::IsOnPath(const int* position, int count) const {
+  return std::all_of(position, position + count,
+                     [this](int i) { return engine::IsOnPath(m_, *contacts_.contact[i]); });
+}
+
+// Moves the bodies to where the first contact of an island closes, and finds out there where they
+// touch. False if that changes when it closes.
+bool Resolver::Approach(Outlook& outlook, const ImpactTime& time, const int* position, int count) {
+  constexpr mjtNum kThere = 1e-9;  // of a step
+  for (int k = 0; k < contacts_.count; ++k) {
+    contacts_.relevant[k] = contacts_.relevant[k] && contacts_.due[k];
+  }
+  for (int a = 0; a < count; ++a) contacts_.relevant[position[a]] = true;
+  AnchorAll();
+  outlook = bodies_.MoveTo(time.start + time.tau, impacts_, kicks_, struck_.owed());
+  FindPointsAgain(m_, d_, position, count, contacts_, scratch_);
+  AnchorAll();
+  return std::abs(time.tau) <= kThere * m_->opt.timestep;
+}
+
+void Resolver::ResolveRound(Outlook& outlook) {
+  constexpr int kTrials = 4;
+  for (int trial = 1;; ++trial) {
+    Scratch scratch(d_);
+    const Islands islands = FindRound(outlook, scratch);
+    // in order of time, so that an island that the impacts before may reach can wait for its turn
+    ImpactTime* times = scratch.Take<ImpactTime>(islands.number);
+    int* order = scratch.Take<int>(islands.number);
+    for (int i = 0; i < islands.number; ++i) {
+      order[i] = i;
+      times[i] = FirstClosing(outlook, islands.position + islands.start[i],
+                              islands.start[i + 1] - islands.start[i]);
+    }
+    std::sort(order, order + islands.number,
+              [times](int i, int j) { return times[i].tau < times[j].tau; });
+    if (islands.number > 0 && !last_ && !there_) {
+      const int* first = islands.position + islands.start[order[0]];
+      const int count = islands.start[order[0] + 1] - islands.start[order[0]];
+      if (!IsOnPath(first, count)) {
+        there_ = Approach(outlook, times[order[0]], first, count) || trial == kTrials;
+        if (FindDue(m_, d_, outlook, config_.touch, struck_.busy(), contacts_, scratch_)) continue;
+        there_ = false;
+        round_end_ = left_ = outlook.start;
+        return;
+      }
+    }
+    ResolveIslands(outlook, islands, times, order);
+    there_ = false;
+    return;
+  }
+}
+
+void Resolver::ResolveIslands(const Outlook& outlook, const Islands& islands,
+                              const ImpactTime* times, const int* order) {
   round_end_ = left_ = m_->opt.timestep;
   struck_.BeginRound(outlook.motion);
-
-  // in order of time, so that an island that the impacts before may reach can wait for its turn
-  ImpactTime* times = scratch.Take<ImpactTime>(islands.number);
-  int* order = scratch.Take<int>(islands.number);
-  for (int i = 0; i < islands.number; ++i) {
-    order[i] = i;
-    times[i] = FirstClosing(outlook, islands.position + islands.start[i],
-                            islands.start[i + 1] - islands.start[i]);
-  }
-  std::sort(order, order + islands.number,
-            [times](int i, int j) { return times[i].tau < times[j].tau; });
+  path_velocity_ = outlook.motion.velocity;
   for (int i = 0; i < islands.number; ++i) {
     const int island = order[i];
     const int* position = islands.position + islands.start[island];
     const int count = islands.start[island + 1] - islands.start[island];
     const bool may_wait = i > 0 && !last_ && round_end_ < m_->opt.timestep;
     if (may_wait && struck_.MayReach(contacts_, position, count, times[island].tau)) break;
-    ResolveFirstOf(outlook, times[island], position, count);
+    // one that is not on the path has a round of its own
+    if (i > 0 && !last_ && (there_ || !IsOnPath(position, count))) {
+      left_ = std::min(left_, outlook.start + times[island].tau);
+      break;
+    }
+    if (there_) {
+      Scratch scratch(d_);
+      const InertiaThere inertia(m_, d_, scratch);
+      ResolveFirstOf(outlook, times[island], position, count);
+    } else {
+      ResolveFirstOf(outlook, times[island], position, count);
+    }
   }
 }
 
@@ -239,7 +339,7 @@ bool Resolver::MoreMayClose(const Outlook& outlook) {
   const mjtNum time_left = m_->opt.timestep - outlook.start;
   bool any = false;
   for (int k = 0; k < contacts_.count; ++k) {
-    const bool moved = struck_.Moved(d_->contact[contacts_.contact[k]]);
+    const bool moved = struck_.Moved(*contacts_.contact[k]);
     contacts_.relevant[k] = (contacts_.due[k] || moved) && !contacts_.idle[k];
     if (any || !contacts_.relevant[k]) continue;
     const ContactAnchor& anchor = Anchor(m_, d_, contacts_, k);
@@ -259,19 +359,20 @@ void Resolver::AnchorAll() {
 
 void Resolver::Run() {
   RunRounds();
+  bodies_.PutBack();
+  AddKicks(m_, d_, kicks_, impacts_, scratch_);
   if (bent_) AddTo(m_, impacts_, delivery_);
 }
 
 void Resolver::RunRounds() {
   const mjtNum h = m_->opt.timestep;
-  Outlook outlook = LookAhead(m_, d_, mobility_, delivery_, bent_, scratch_);
-  BodiesInStep bodies(m_, d_, mobility_, outlook, scratch_);
+  Outlook outlook = start_;
   // pulses of the last step that soon end are looked back on; longer ones bend the path
   const mjtNum pulses_end = ActiveEnd(state_);
   if (pulses_end > 0 && !bent_) {
     AnchorAll();
     struck_.TakeForPulses(state_, pulses_end);
-    outlook = bodies.MoveTo(pulses_end, impacts_, nullptr);
+    outlook = bodies_.MoveTo(pulses_end, impacts_, kicks_, nullptr);
   }
   for (int round = 1;; ++round) {
     if (!FindDue(m_, d_, outlook, config_.touch, struck_.busy(), contacts_, scratch_)) return;
@@ -282,15 +383,17 @@ void Resolver::RunRounds() {
     if (round_end_ >= h && left_ > outlook.start) round_end_ = left_;
     if (last_ || round_end_ >= h || !MoreMayClose(outlook)) return;
     AnchorAll();
-    outlook = bodies.MoveTo(round_end_, impacts_, struck_.owed());
+    outlook = bodies_.MoveTo(round_end_, impacts_, kicks_, struck_.owed());
   }
 }
 
 }  // namespace
 
-void ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
-                    State& state, Delivery& delivery, Scratch& scratch) {
-  Resolver(m, d, instance, mobility, state, delivery, scratch).Run();
+RigidFlights ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
+                            State& state, Delivery& delivery, Scratch& scratch) {
+  Resolver resolver(m, d, instance, mobility, state, delivery, scratch);
+  resolver.Run();
+  return resolver.flights();
 }
 
 }  // namespace mujoco_impact::engine

@@ -12,15 +12,16 @@
 
 #include "engine/deliver.h"
 #include "engine/mobility.h"
+#include "engine/rigid_flight.h"
 #include "engine/scratch.h"
 #include "engine/state.h"
 
 namespace mujoco_impact::engine {
 
 // Resolves every impact of the step and adds what it exerts in it to `delivery`. New pulses are
-// left pending in the state.
-void ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
-                    State& state, Delivery& delivery, Scratch& scratch);
+// left pending in the state. Returns the flights of tumbling bodies, whose impacts are no forces.
+RigidFlights ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
+                            State& state, Delivery& delivery, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

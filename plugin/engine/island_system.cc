@@ -151,7 +151,7 @@ size_t IslandBytes(const mjModel* m, const mjData* d, const Mobility& mobility,
   std::fill_n(on_tree, m->ntree, 0);
   size_t dofs = 0, couples = 0;
   for (int i = 0; i < count; ++i) {
-    for (const int tree : TreesOf(m, d->contact[contacts.contact[position[i]]]).tree) {
+    for (const int tree : TreesOf(m, *contacts.contact[position[i]]).tree) {
       if (tree < 0) continue;
       dofs += m->tree_dofnum[tree];
       couples += 2 * on_tree[mobility.Group(tree)]++ + 1;
@@ -171,17 +171,34 @@ IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobi
   IslandSystem system{count, scratch.Take<ContactRow>(count), {}};
   for (int k = 0; k < count; ++k) {
     const int i = position[k];
-    ContactRow* row =
-        new (&system.row[k]) ContactRow{&d->contact[contacts.contact[i]],
-                                        ContactPath(m, d, Anchor(m, d, contacts, i), motion),
-                                        {},
-                                        0,
-                                        0,
-                                        {}};
+    ContactRow* row = new (&system.row[k]) ContactRow{
+        contacts.contact[i], ContactPath(m, d, Anchor(m, d, contacts, i), motion), {}, 0, 0, {}};
     FillRow(m, d, motion, tau, *row, scratch);
   }
   BuildDelassus(m, mobility, system, scratch);
   return system;
+}
+
+InertiaThere::InertiaThere(const mjModel* m, mjData* d, Scratch& scratch)
+    : m_(m),
+      d_(d),
+      crb_(scratch.Take<mjtNum>(10 * m->nbody)),
+      M_(scratch.Take<mjtNum>(m->nC)),
+      qLD_(scratch.Take<mjtNum>(m->nC)),
+      qLDiagInv_(scratch.Take<mjtNum>(m->nv)) {
+  mju_copy(crb_, d->crb, 10 * m->nbody);
+  mju_copy(M_, d->M, m->nC);
+  mju_copy(qLD_, d->qLD, m->nC);
+  mju_copy(qLDiagInv_, d->qLDiagInv, m->nv);
+  mj_makeM(m, d);
+  mj_factorM(m, d);
+}
+
+InertiaThere::~InertiaThere() {
+  mju_copy(d_->crb, crb_, 10 * m_->nbody);
+  mju_copy(d_->M, M_, m_->nC);
+  mju_copy(d_->qLD, qLD_, m_->nC);
+  mju_copy(d_->qLDiagInv, qLDiagInv_, m_->nv);
 }
 
 mjtNum SegmentsTimes(const mjModel* m, const RowSegment segment[2], const mjtNum* x) {

@@ -21,25 +21,22 @@ ContactTrees TreesOf(const mjModel* m, const mjContact& contact) {
            m->body_treeid[m->geom_bodyid[contact.geom[1]]]}};
 }
 
-Islands FindIslands(const mjModel* m, const mjData* d, const Mobility& mobility,
-                    const int* contacts, const bool* due, const bool* near, int count,
-                    Scratch& scratch) {
+Islands FindIslands(const mjModel* m, const Mobility& mobility, const mjContact* const* contacts,
+                    const bool* due, const bool* near, int count, Scratch& scratch) {
   TreeSets sets(m->ntree, scratch);
   if (mobility.ties() > 0) {
     for (int tree = 0; tree < m->ntree; ++tree) sets.Join(tree, mobility.Group(tree));
   }
   for (int i = 0; i < count; ++i) {
     if (!near[i]) continue;
-    const ContactTrees trees = TreesOf(m, d->contact[contacts[i]]);
+    const ContactTrees trees = TreesOf(m, *contacts[i]);
     if (trees.tree[0] >= 0 && trees.tree[1] >= 0) sets.Join(trees.tree[0], trees.tree[1]);
   }
 
   // number the islands in which something closes, in the order of their first closing contact
   int* island_of = scratch.Take<int>(m->ntree);
   std::fill_n(island_of, m->ntree, -1);
-  const auto root = [&](int i) {
-    return sets.Root(MovingTree(TreesOf(m, d->contact[contacts[i]])));
-  };
+  const auto root = [&](int i) { return sets.Root(MovingTree(TreesOf(m, *contacts[i]))); };
   int number = 0;
   for (int i = 0; i < count; ++i) {
     if (due[i] && island_of[root(i)] < 0) island_of[root(i)] = number++;

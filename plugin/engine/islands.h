@@ -26,11 +26,9 @@ struct Islands {
   const int* position;  // in the list of contacts
 };
 
-// `contacts` are indices into mjData.contact, `due[i]` says whether contacts[i] closes in this
-// step, `near[i]` whether it takes part at all.
-Islands FindIslands(const mjModel* m, const mjData* d, const Mobility& mobility,
-                    const int* contacts, const bool* due, const bool* near, int count,
-                    Scratch& scratch);
+// `due[i]` says whether contacts[i] closes in this step, `near[i]` whether it takes part at all.
+Islands FindIslands(const mjModel* m, const Mobility& mobility, const mjContact* const* contacts,
+                    const bool* due, const bool* near, int count, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

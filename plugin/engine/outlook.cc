@@ -27,11 +27,12 @@ mjtNum* SettledVelocity(const mjModel* m, const Outlook& outlook, mjtNum tau, Sc
 }
 
 BodiesInStep::BodiesInStep(const mjModel* m, mjData* d, const Mobility& mobility,
-                           const Outlook& start, Scratch& scratch)
+                           const Outlook& start, RigidFlights& flights, Scratch& scratch)
     : m_(m),
       d_(d),
       mobility_(mobility),
       start_(start),
+      flights_(flights),
       qpos_(scratch.Take<mjtNum>(m->nq)),
       qvel_(scratch.Take<mjtNum>(m->nv)),
       moved_{scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv)},
@@ -43,11 +44,14 @@ BodiesInStep::BodiesInStep(const mjModel* m, mjData* d, const Mobility& mobility
   mju_copy(qvel_, d->qvel, m->nv);
 }
 
-BodiesInStep::~BodiesInStep() {
-  if (away_) Place(nullptr, qvel_);
+BodiesInStep::~BodiesInStep() { PutBack(); }
+
+void BodiesInStep::PutBack() {
+  if (away_) Place(nullptr, qvel_, 0);
+  away_ = false;
 }
 
-Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery, mjtNum* owed) {
+Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery, const Kicks& kicks, mjtNum* owed) {
   const int nv = m_->nv;
   const Motion& motion = start_.motion;
   // G M⁻¹ Jᵀ of P, P (t − s) and P (t − s)²/2
@@ -58,10 +62,15 @@ Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery, mjtNum* owed) {
   };
   mjtNum *v = moved_.velocity, *a = moved_.acceleration, *b = moved_.jerk;
   mobility_.Solve(kick_, delivery.impulse);
+  if (kicks.any) AddTied(kicks.velocity, 1, kick_);
   gradient(kick_, b);
   mju_scl(work_, delivery.impulse, t, nv);
   mju_subFrom(work_, delivery.moment, nv);
   mobility_.Solve(displacement_, work_);
+  if (kicks.any) {
+    AddTied(kicks.velocity, t, displacement_);
+    AddTied(kicks.moment, -1, displacement_);
+  }
   gradient(displacement_, a);
   for (int i = 0; i < nv; ++i) {
     work_[i] =
@@ -76,8 +85,15 @@ Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery, mjtNum* owed) {
     a[i] += A + B * t;
     b[i] += B;
   }
-  Place(displacement_, v);
+  Place(displacement_, v, t);
   return {t, moved_, start_.bend, ArrearsAt(t, owed)};
+}
+
+// result += s ΔV, and what ties make of it.
+void BodiesInStep::AddTied(const mjtNum* kick, mjtNum s, mjtNum* result) {
+  mju_copy(work_, kick, m_->nv);
+  if (mobility_.ties() > 0) mobility_.Tie(work_);
+  mju_addToScl(result, work_, s, m_->nv);
 }
 
 mjtNum* BodiesInStep::ArrearsAt(mjtNum t, mjtNum* owed) {
@@ -90,10 +106,11 @@ mjtNum* BodiesInStep::ArrearsAt(mjtNum t, mjtNum* owed) {
 
 // MuJoCo's own kinematics at qpos ⊕ displacement, or at qpos if that is null: the same code with
 // the same input gives the same bits when the bodies are put back.
-void BodiesInStep::Place(const mjtNum* displacement, const mjtNum* velocity) {
+void BodiesInStep::Place(const mjtNum* displacement, const mjtNum* velocity, mjtNum t) {
   mju_copy(d_->qpos, qpos_, m_->nq);
   if (displacement) mj_integratePos(m_, d_->qpos, displacement, 1);
   mju_copy(d_->qvel, velocity, m_->nv);
+  if (displacement) flights_.Place(t, d_->qpos, d_->qvel, moved_.velocity, moved_.acceleration);
   mj_kinematics(m_, d_);
   mj_comPos(m_, d_);
   mj_comVel(m_, d_);

@@ -18,6 +18,7 @@
 
 #include "engine/deliver.h"
 #include "engine/motion.h"
+#include "engine/rigid_flight.h"
 #include "engine/scratch.h"
 
 namespace mujoco_impact::engine {
@@ -40,25 +41,31 @@ mjtNum* SettledVelocity(const mjModel* m, const Outlook& outlook, mjtNum tau, Sc
 // The bodies at times within the step. They are put back where they were when it ends.
 class BodiesInStep {
  public:
-  // `start` is the outlook from the start of the step.
+  // `start` is the outlook from the start of the step; struck bodies of `flights` follow those.
   BodiesInStep(const mjModel* m, mjData* d, const Mobility& mobility, const Outlook& start,
-               Scratch& scratch);
+               RigidFlights& flights, Scratch& scratch);
   ~BodiesInStep();
   BodiesInStep(const BodiesInStep&) = delete;
   BodiesInStep& operator=(const BodiesInStep&) = delete;
 
-  // Moves the bodies to time t, after the impulses in `delivery`, and looks ahead from there;
-  // `owed` is the velocity that their pulses will add after this step (nv), null if none will.
-  Outlook MoveTo(mjtNum t, const Delivery& delivery, mjtNum* owed);
+  // Moves the bodies to time t, after the impulses in `delivery` and the changes of velocity in
+  // `kicks`, and looks ahead from there; `owed` is the velocity that their pulses will add after
+  // this step (nv), null if none will.
+  Outlook MoveTo(mjtNum t, const Delivery& delivery, const Kicks& kicks, mjtNum* owed);
+
+  // Puts the bodies back, if they are away.
+  void PutBack();
 
  private:
-  void Place(const mjtNum* displacement, const mjtNum* velocity);
+  void Place(const mjtNum* displacement, const mjtNum* velocity, mjtNum t);
+  void AddTied(const mjtNum* kick, mjtNum s, mjtNum* result);
   mjtNum* ArrearsAt(mjtNum t, mjtNum* owed);
 
   const mjModel* m_;
   mjData* d_;
   const Mobility& mobility_;
   const Outlook start_;
+  RigidFlights& flights_;
   mjtNum *qpos_, *qvel_;  // at the start of the step
   Motion moved_;
   mjtNum *kick_, *displacement_, *work_, *arrears_;

@@ -18,10 +18,16 @@ constexpr mjtNum kOfDepth = 0.5;
 // Of 1/(1/R₁ + 1/R₂): beyond, a contact is no longer one at a point.
 constexpr mjtNum kOfRadius = 0.5;
 
+// Of the same: what may show at the end of the step in which an impact comes at once.
+constexpr mjtNum kShown = 0.05;
+
 // How much deeper than at the onset bodies may come. The nearer to M they are, the less.
-mjtNum RoomOf(const ContactRow& row) {
+mjtNum RoomOf(const mjModel* m, const ContactRow& row) {
   constexpr mjtNum kOfRest = 0.25, kLeast = 1e-3;
-  const mjtNum depth = -row.contact->includemargin, overlap = std::max<mjtNum>(0, -row.gap);
+  // bodies that part do not feel the contact that MuJoCo finds below the margin
+  const mjtNum shown = kShown / ContactCurvature(m, *row.contact);
+  const mjtNum depth = std::max(shown, -row.contact->includemargin);
+  const mjtNum overlap = std::max<mjtNum>(0, -row.gap);
   return std::max({kOfDepth * depth - overlap, kOfRest * (depth - overlap), kLeast * depth});
 }
 
@@ -34,7 +40,7 @@ mjtNum TwiceIntegrated(const IslandProblem& problem, int k, mjtNum t, mjtNum res
 }
 
 // λ at time t, `integral` ∫∫ F_k by then.
-mjtNum LessAt(const IslandSystem& system, const IslandProblem& problem, mjtNum t,
+mjtNum LessAt(const mjModel* m, const IslandSystem& system, const IslandProblem& problem, mjtNum t,
               const mjtNum* integral) {
   mjtNum* displacement = problem.work.numbers + problem.size;
   law::Multiply(system.delassus, integral, displacement);
@@ -43,19 +49,20 @@ mjtNum LessAt(const IslandSystem& system, const IslandProblem& problem, mjtNum t
     if (problem.impulse[k] <= 0) continue;
     // y = c t − g − W ∫∫ F
     const mjtNum overlap = problem.closing_speed[k] * t - problem.gap[k] - displacement[k];
-    const mjtNum room = RoomOf(system.row[k]);
+    const mjtNum room = RoomOf(m, system.row[k]);
     if (overlap > room) less = std::min(less, room / overlap);
   }
   return less;
 }
 
 // λ at time t, all impulses delivered with their moments.
-mjtNum LessOfMoments(const IslandSystem& system, const IslandProblem& problem, mjtNum t) {
+mjtNum LessOfMoments(const mjModel* m, const IslandSystem& system, const IslandProblem& problem,
+                     mjtNum t) {
   mjtNum* integral = problem.work.numbers;
   for (int k = 0; k < problem.size; ++k) {
     integral[k] = problem.impulse[k] * t - problem.moment[k];
   }
-  return LessAt(system, problem, t, integral);
+  return LessAt(m, system, problem, t, integral);
 }
 
 }  // namespace
@@ -83,7 +90,8 @@ mjtNum CompressLess(const mjModel* m, const IslandSystem& system, const IslandPr
   return less;
 }
 
-mjtNum OverlapLess(const Config& config, const IslandSystem& system, const IslandProblem& problem) {
+mjtNum OverlapLess(const mjModel* m, const Config& config, const IslandSystem& system,
+                   const IslandProblem& problem) {
   constexpr int kSamples = 8;
   const mjtNum end = EndOf(problem);
   mjtNum* integral = problem.work.numbers;
@@ -93,7 +101,7 @@ mjtNum OverlapLess(const Config& config, const IslandSystem& system, const Islan
     for (int k = 0; k < problem.size; ++k) {
       integral[k] = TwiceIntegrated(problem, k, t, config.waveform_restitution);
     }
-    less = std::min(less, LessAt(system, problem, t, integral));
+    less = std::min(less, LessAt(m, system, problem, t, integral));
   }
   return less;
 }
@@ -109,12 +117,13 @@ mjtNum TurnLess(const IslandSystem& system, const IslandProblem& problem) {
   return less;
 }
 
-mjtNum DentLess(const IslandSystem& system, const IslandProblem& problem) {
-  return LessOfMoments(system, problem, EndOf(problem));
+mjtNum DentLess(const mjModel* m, const IslandSystem& system, const IslandProblem& problem) {
+  return LessOfMoments(m, system, problem, EndOf(problem));
 }
 
-bool MayComeAtOnce(const IslandSystem& system, const IslandProblem& problem, mjtNum time) {
-  return LessOfMoments(system, problem, time) >= 1;
+bool MayComeAtOnce(const mjModel* m, const IslandSystem& system, const IslandProblem& problem,
+                   mjtNum time) {
+  return LessOfMoments(m, system, problem, time) >= 1;
 }
 
 }  // namespace mujoco_impact::engine

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which contacts an instance owns.
 //
-// A contact is ours if MuJoCo detected it and left it out of its solver because of a negative
-// margin (exclude = 1, no constraint row), and one of its geoms is in the tuple that bears the
-// instance's name. Without such a tuple every geom is owned. A contact between geoms of two
+// The impacts of a contact are ours if one of its geoms is in the tuple that bears the instance's
+// name, and a negative margin keeps MuJoCo's solver from it while the bodies do not overlap. Deeper
+// than that margin the solver carries it, and an impact there is still ours (rest.h). Without such
+// a tuple every geom is owned. A contact between geoms of two
 // instances belongs to the first of them alone.
 
 #ifndef MUJOCO_IMPACT_ENGINE_OWNERSHIP_H_
@@ -39,11 +40,14 @@ class Ownership {
   int size_;
 };
 
-// Whether MuJoCo detected the contact and a negative margin keeps it from the solver.
-inline bool IsReleased(const mjContact& contact) {
-  return contact.exclude == 1 && contact.efc_address < 0 && contact.includemargin < 0 &&
-         contact.geom[0] >= 0 && contact.geom[1] >= 0;
+// Whether a negative margin hands the impacts of the contact to the plugin.
+inline bool IsOffered(const mjContact& contact) {
+  return contact.exclude <= 1 && contact.includemargin < 0 && contact.geom[0] >= 0 &&
+         contact.geom[1] >= 0;
 }
+
+// Whether the bodies overlap so deep that MuJoCo's solver carries the contact.
+inline bool IsCarried(const mjContact& contact) { return contact.dist <= contact.includemargin; }
 
 // Upper bound of the geoms an instance owns, the same while the model is compiled and afterwards.
 // MuJoCo asks for the sizes of state and sensor before it has filled in the tuples, so the bound is

@@ -29,8 +29,7 @@ mjtNum ReachOfRound(const mjModel* m, const mjData* d, const Config& config, con
     const ContactPath path(m, d, Anchor(m, d, contacts, k), outlook.motion);
     const mjtNum speed = -path.GapRate(contacts.tau[k]);
     if (speed <= 0) continue;
-    const mjtNum contact_time =
-        EstimateContactTime(m, config, d->contact[contacts.contact[k]], speed);
+    const mjtNum contact_time = EstimateContactTime(m, config, *contacts.contact[k], speed);
     const mjtNum time = std::max(flight, law::kSameImpactTimes * contact_time);
     reach = std::max(reach, kFastest * speed * time);
   }
@@ -46,7 +45,7 @@ bool IsCrowded(const mjModel* m, mjData* d, const Gathered& contacts, const int*
   int* of_tree = scratch.Take<int>(m->ntree);
   std::fill_n(of_tree, m->ntree, 0);
   for (int i = 0; i < count; ++i) {
-    for (const int tree : TreesOf(m, d->contact[contacts.contact[position[i]]]).tree) {
+    for (const int tree : TreesOf(m, *contacts.contact[position[i]]).tree) {
       if (tree >= 0) ++of_tree[tree];
     }
   }
@@ -68,7 +67,7 @@ Islands ReachedPart(const mjModel* m, const mjData* d, const Mobility& mobility,
     fastest = std::max(fastest, speed[i]);
   }
   const int first = position[time.first];
-  const mjtNum room = kOfRadius / ContactCurvature(m, d->contact[contacts.contact[first]]);
+  const mjtNum room = kOfRadius / ContactCurvature(m, *contacts.contact[first]);
   time.longest = room / std::max(kFastest * fastest, mjMINVAL);
   time.flight = std::min(time.flight, time.longest);
   time.horizon = std::min(time.horizon, time.longest);
@@ -82,7 +81,7 @@ Islands ReachedPart(const mjModel* m, const mjData* d, const Mobility& mobility,
     const mjtNum distance = (kFastest * fastest + speed[i]) * time.longest;
     reached[position[i]] = position[i] == first || gap[i] <= distance;
   }
-  return FindIslands(m, d, mobility, contacts.contact, begins, reached, contacts.count, scratch);
+  return FindIslands(m, mobility, contacts.contact, begins, reached, contacts.count, scratch);
 }
 
 }  // namespace mujoco_impact::engine

@@ -3,6 +3,7 @@
 #include "engine/runge_kutta.h"
 
 #include "engine/ownership.h"
+#include "engine/silence.h"
 
 namespace mujoco_impact::engine {
 
@@ -26,19 +27,6 @@ bool IsTakenOver(const Ownership& ownership, const mjContact& contact) {
 bool IsCarried(const Ownership& ownership, State& state, int geom) {
   const int index = ownership.Index(geom);
   return index < 0 || state.record(index).carried != 0;
-}
-
-// Makes the solver see the contact as open, however fast it closes: a_ref = −k d (pos − margin).
-void Silence(mjData* d, int contact) {
-  constexpr mjtNum kOpening = 1e15;  // beyond any acceleration of a sane state [m/s²]
-  const int begin = d->contact[contact].efc_address, type = d->efc_type[begin];
-  for (int i = begin; i < d->nefc && d->efc_type[i] == type && d->efc_id[i] == contact; ++i) {
-    d->efc_pos[i] = d->efc_margin[i] + 1;
-    mjtNum* KBI = d->efc_KBIP + 4 * i;
-    KBI[0] = kOpening;
-    KBI[1] = 0;
-    KBI[2] = 1;
-  }
 }
 
 }  // namespace
@@ -65,8 +53,9 @@ void NoteCarried(const mjModel* m, const mjData* d, int instance, State& state) 
   const Ownership ownership(m, instance);
   for (int i = 0; i < state.capacity(); ++i) state.record(i).carried = 0;
   for (int i = 0; i < d->ncon; ++i) {
-    if (!IsTakenOver(ownership, d->contact[i])) continue;
-    for (const int geom : d->contact[i].geom) {
+    const mjContact& contact = d->contact[i];
+    if (!IsTakenOver(ownership, contact) || IsOnTheMove(m, d, contact)) continue;
+    for (const int geom : contact.geom) {
       const int index = ownership.Index(geom);
       if (index >= 0) state.record(index).carried = 1;
     }
@@ -76,7 +65,11 @@ void NoteCarried(const mjModel* m, const mjData* d, int instance, State& state) 
 void ApplyHeldForce(const mjModel* m, mjData* d, int instance, State& state) {
   state.header().later_stages = 1;
   if (state.header().pending == 0) return;
-  mju_addTo(d->qfrc_passive, state.held_force(), m->nv);
+  for (int tree = 0; tree < m->ntree; ++tree) {
+    if (state.flight(tree).struck != 0) continue;
+    const int begin = m->tree_dofadr[tree];
+    mju_addTo(d->qfrc_passive + begin, state.held_force() + begin, m->tree_dofnum[tree]);
+  }
   const Ownership ownership(m, instance);
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];

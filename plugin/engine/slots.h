@@ -14,7 +14,7 @@
 namespace mujoco_impact::engine {
 
 // Forgets what an earlier compute of the same step left pending.
-void DiscardPending(State& state);
+void DiscardPending(const mjModel* m, State& state);
 
 // The pulse of an impact, not yet in a slot.
 Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, const Config& config,

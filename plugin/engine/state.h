@@ -2,7 +2,7 @@
 // The layout of an instance's plugin_state: everything that evolves, and nothing else.
 //
 //   header | per owned geom: impulse, peak, alpha, count | pulse slots | position correction (nv)
-//          | held force (nv)
+//          | held force (nv) | struck, work of each kinematic tree
 //
 // It describes itself (the header holds the sizes), so that Python finds the pulses in it.
 // `compute` writes only what it has pending: slots with a negative serial, `delivered_next` of the
@@ -63,6 +63,13 @@ struct GeomRecord {
   double carried;  // 1: one of MuJoCo's contacts holds it at the start of the step (runge_kutta.h)
 };
 
+// What impacts do to a tumbling body, beside its entries of the correction and the held force
+// (rigid_flight.h).
+struct FlightRecord {
+  double struck;  // 1: those entries are differences of its motion at the end of the step
+  double work;    // of the impulses on its spin [J]
+};
+
 struct Header {
   double version;
   double count;        // pulses begun since reset
@@ -84,8 +91,8 @@ struct Header {
 
 class State {
  public:
-  // Numbers that an instance owning up to `capacity` geoms needs, with nv degrees of freedom.
-  static int Size(int capacity, int nv);
+  // Numbers that an instance owning up to `capacity` geoms needs in the model.
+  static int Size(const mjModel* m, int capacity);
 
   // Sets every number of the state of `instance`.
   static void Reset(const mjModel* m, mjtNum* plugin_state, int instance);
@@ -106,15 +113,17 @@ class State {
   const Pulse& pulse(int slot) const { return pulses_[slot]; }
   mjtNum* correction() { return correction_; }
   mjtNum* held_force() { return held_force_; }
+  FlightRecord& flight(int tree) { return flights_[tree]; }
 
  private:
-  void Bind(mjtNum* numbers, int nv);
+  void Bind(const mjModel* m, mjtNum* numbers);
 
   Header* header_;
   GeomRecord* records_;
   Pulse* pulses_;
-  mjtNum* correction_;  // Δq that advance adds to the position (nv)
-  mjtNum* held_force_;  // generalized force of the first Runge-Kutta stage (nv)
+  mjtNum* correction_;     // Δq that advance adds to the position (nv)
+  mjtNum* held_force_;     // generalized force of the first Runge-Kutta stage (nv)
+  FlightRecord* flights_;  // (ntree)
 };
 
 // Visits the pulses that are not yet delivered.

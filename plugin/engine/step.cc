@@ -6,10 +6,12 @@
 #include "engine/gather.h"
 #include "engine/impacts.h"
 #include "engine/mobility.h"
+#include "engine/rigid_flight.h"
 #include "engine/runge_kutta.h"
 #include "engine/scratch.h"
 #include "engine/sensor.h"
 #include "engine/settled_energy.h"
+#include "engine/silence.h"
 #include "engine/slots.h"
 #include "engine/state.h"
 
@@ -22,7 +24,9 @@ namespace {
 size_t StepBytes(const mjModel* m, const mjData* d) {
   constexpr size_t kVectors = 48;
   const size_t numbers = m->nq + m->nv + m->nbody + m->ntree + m->nu;
-  return kVectors * numbers * sizeof(mjtNum) + d->ncon * (sizeof(ContactAnchor) + kVectors * 4);
+  // nine: the points of other shapes are found again, and more of them
+  const size_t points = 9 * d->ncon * (sizeof(ContactAnchor) + sizeof(mjContact) + kVectors);
+  return kVectors * numbers * sizeof(mjtNum) + points;
 }
 
 }  // namespace
@@ -35,7 +39,8 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   }
   if (state.header().active > 0 || state.header().pending != 0) state.ResetUnlessSound(m, instance);
   OpenStage(m, d, state);
-  DiscardPending(state);
+  DiscardPending(m, state);
+  SilenceMoving(m, d, instance);
   const bool pulses = state.header().active > 0;
   const bool closing = AnyMayClose(m, d, state.header().touch);
   if (!pulses && !closing) return;
@@ -50,11 +55,15 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   const Mobility mobility(m, d, scratch);
   Delivery delivery = MakeDelivery(m, scratch);
   if (pulses) DeliverActive(m, d, mobility, state, delivery, scratch);
-  if (closing) ResolveImpacts(m, d, instance, mobility, state, delivery, scratch);
+  RigidFlights flights;
+  if (closing) {
+    flights = ResolveImpacts(m, d, instance, mobility, state, delivery, scratch);
+  }
   if (pulses && state.header().pending_pulses > 0) {
     EndOverfullByImpacts(m, d, mobility, state, delivery, scratch);
   }
   Apply(m, d, mobility, state, delivery, scratch);
+  flights.Finish(state);
   NoteCarried(m, d, instance, state);
   ComputeSensors(m, d, instance, true);
 }

@@ -78,7 +78,7 @@ bool Struck::Moved(const mjContact& contact) const {
 
 void Struck::Mark(const Gathered& contacts, const int* position, int count, int mark) {
   for (int k = 0; k < count; ++k) {
-    for (const int tree : TreesOf(m_, d_->contact[contacts.contact[position[k]]]).tree) {
+    for (const int tree : TreesOf(m_, *contacts.contact[position[k]]).tree) {
       if (tree >= 0) mark_[tree] = mark;
     }
   }
@@ -90,7 +90,7 @@ bool Struck::MayReach(Gathered& contacts, const int* position, int count, mjtNum
   Mark(contacts, position, count, kAtHand);
   bool reached = false;
   for (int k = 0; k < contacts.count && !reached; ++k) {
-    const auto [first, second] = TreesOf(m_, d_->contact[contacts.contact[k]]).tree;
+    const auto [first, second] = TreesOf(m_, *contacts.contact[k]).tree;
     if (first < 0 || second < 0 || mark_[first] + mark_[second] != kAtHand + kStruck) continue;
     const ContactPath path(m_, d_, Anchor(m_, d_, contacts, k), kicked_);
     reached = kSafety * path.Gap(0) < -path.GapRate(0) * tau;

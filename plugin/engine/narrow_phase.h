@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where two geoms touch, asked of MuJoCo's narrow phase wherever their bodies are now.
+//
+// The contact of two spheres, or of a sphere and a plane, follows from their centres all along the
+// path of the bodies (contact_path.h). The points and normals of other shapes turn and jump: those
+// are found again at the time of the impact.
+
+#ifndef MUJOCO_IMPACT_ENGINE_NARROW_PHASE_H_
+#define MUJOCO_IMPACT_ENGINE_NARROW_PHASE_H_
+
+#include <mujoco/mujoco.h>
+
+namespace mujoco_impact::engine {
+
+// Whether the contact of the two geoms follows from two points fixed to their bodies.
+bool FollowsFromCentres(const mjModel* m, const mjContact& contact);
+
+// Whether MuJoCo's narrow phase can be asked for the pair alone: not for height fields and signed
+// distance fields, whose functions need what the middle phase knows. Their contact points stay
+// those of the start of the step.
+bool CanBeAsked(const mjModel* m, const mjContact& contact);
+
+// The most points that a pair may touch in.
+constexpr int kMostPoints = mjMAXCONPAIR;
+
+// Finds the points in which the geoms of `like` touch or are up to `margin` [m] apart. Each is a
+// copy of `like` with the distance, the place and the normal of its own. Returns their number.
+int FindPoints(const mjModel* m, mjData* d, const mjContact& like, mjtNum margin,
+               mjContact points[kMostPoints]);
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_NARROW_PHASE_H_
