@@ -124,13 +124,14 @@ bool AnyMayClose(const mjModel* m, const mjData* d, mjtNum touch) {
   return false;
 }
 
-Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership,
+Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership, bool pulses,
                         Scratch& scratch) {
   const mjContact** owned = scratch.Take<const mjContact*>(d->ncon);
   int count = 0;
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
     if (!IsOffered(contact) || !ownership.Owns(contact)) continue;
+    if (pulses && IsCarried(contact)) continue;
     const ContactTrees trees = TreesOf(m, contact);
     if (trees.tree[0] >= 0 || trees.tree[1] >= 0) owned[count++] = &contact;
   }

@@ -35,7 +35,8 @@ struct Gathered {
   mjtNum* tau;     // when, from the time of the outlook, if due [s]
 };
 
-Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership,
+// While pulses last, a contact deeper than its margin is MuJoCo's alone.
+Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership, bool pulses,
                         Scratch& scratch);
 
 // Whether the path of the contact is that of two points of bodies whose inertia stays as it is;

@@ -48,7 +48,7 @@ class Resolver {
         bent_(ActiveEnd(state) > kShortPulses * m->opt.timestep),
         impacts_(bent_ ? MakeDelivery(m, scratch) : delivery),
         kicks_(MakeKicks(m, scratch)),
-        contacts_(GatherContacts(m, d, ownership_, scratch)),
+        contacts_(GatherContacts(m, d, ownership_, state.header().active > 0, scratch)),
         struck_(m, d, mobility, scratch),
         start_(LookAhead(m, d, mobility, delivery, bent_, scratch)),
         flights_(m, d, start_.motion, state.header().active > 0, scratch),

@@ -3,8 +3,10 @@
 #include "engine/narrow_phase.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/point.h"
+#include "engine/vector3.h"
 
 namespace mujoco_impact::engine {
 
@@ -16,6 +18,102 @@ mjfCollision FunctionOf(const mjModel* m, const mjContact& contact) {
 
 bool IsCentred(const mjModel* m, int geom) {
   return IsSphere(m, geom) || m->geom_type[geom] == mjGEOM_PLANE;
+}
+
+// What counts as one touch along a line or a face, over the size of the smaller geom: the gap at
+// the points of it and their distance from each other, and by which angle the geoms are tilted to
+// find them [rad].
+constexpr mjtNum kTouching = 1e-3, kSameGap = 1e-5, kApart = 1e-2, kTilt = 1e-3;
+
+// Whether the narrow phase tells one point where two geoms may touch along a line or a face.
+bool MayTouchAlong(const mjModel* m, const mjContact& contact) {
+  const auto is_straight = [m](int geom) {
+    const int type = m->geom_type[geom];
+    return type == mjGEOM_CYLINDER || type == mjGEOM_MESH || type == mjGEOM_BOX ||
+           type == mjGEOM_CAPSULE;
+  };
+  return is_straight(contact.geom[0]) && is_straight(contact.geom[1]);
+}
+
+mjtNum SizeOf(const mjModel* m, int geom) { return m->geom_rbound[geom]; }
+
+// MuJoCo's general algorithm knows the normal of bodies that are apart to rounding, of those that
+// touch only to the square root of its tolerance. Moved apart along the normal, two convex bodies
+// keep their nearest points: so the second geom is asked for at δ from where it is.
+int Ask(const mjModel* m, mjData* d, const mjContact& like, mjtNum margin,
+        mjContact points[kMostPoints]) {
+  mjPreContact found[kMostPoints];
+  mjtNum* position = d->geom_xpos + 3 * like.geom[1];
+  const Vector3 place = Load(position);
+  const Vector3 shift = 10 * m->opt.ccd_tolerance * Load(like.frame);
+  Store(place + shift, position);
+  const int count = std::min(kMostPoints, FunctionOf(m, like)(m, d, found, like.geom[0],
+                                                              like.geom[1], margin + Norm(shift)));
+  Store(place, position);
+  for (int i = 0; i < count; ++i) {
+    points[i] = like;
+    points[i].dist = found[i].dist - Dot(Load(found[i].normal), shift);
+    Store(Load(found[i].pos) - 0.5 * shift, points[i].pos);
+    mju_copy3(points[i].frame, found[i].normal);
+  }
+  return count;
+}
+
+// A geom turned about a point for as long as the object lives.
+class TurnedGeom {
+ public:
+  TurnedGeom(mjData* d, int geom, const Vector3& about, const Vector3& angle)
+      : position_(d->geom_xpos + 3 * geom), rotation_(d->geom_xmat + 9 * geom) {
+    mju_copy3(old_position_, position_);
+    mju_copy(old_rotation_, rotation_, 9);
+    mjtNum turn[9];
+    // I + [angle]× up to the square of the angle
+    const mjtNum half = -0.5 * Dot(angle, angle);
+    const mjtNum a[3] = {angle.x, angle.y, angle.z};
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) turn[3 * i + j] = 0.5 * a[i] * a[j];
+      turn[4 * i] += 1 + half;
+    }
+    turn[1] -= a[2], turn[2] += a[1], turn[3] += a[2];
+    turn[5] -= a[0], turn[6] -= a[1], turn[7] += a[0];
+    Store(about + Rotate(turn, Load(old_position_) - about), position_);
+    mju_mulMatMat(rotation_, turn, old_rotation_, 3, 3, 3);
+  }
+  ~TurnedGeom() {
+    mju_copy3(position_, old_position_);
+    mju_copy(rotation_, old_rotation_, 9);
+  }
+  TurnedGeom(const TurnedGeom&) = delete;
+  TurnedGeom& operator=(const TurnedGeom&) = delete;
+
+ private:
+  mjtNum *position_, *rotation_;
+  mjtNum old_position_[3], old_rotation_[9];
+};
+
+// Adds the point that is touched first if the second geom is tilted by `angle` about the first
+// point, if it is another one and touches as much when the geom is turned back.
+int AddTilted(const mjModel* m, mjData* d, const mjContact& like, const Vector3& angle,
+              mjtNum margin, mjtNum size, mjContact points[kMostPoints], int count) {
+  const Vector3 first = Load(points[0].pos), normal = Load(points[0].frame);
+  mjContact tilted[kMostPoints];
+  {
+    const TurnedGeom turned(d, like.geom[1], first, angle);
+    // tilted into each other they overlap by the angle times their size
+    if (Ask(m, d, like, margin + kTilt * size, tilted) < 1) return count;
+  }
+  mjContact& point = tilted[0];
+  const Vector3 place = Load(point.pos);
+  // turned back, the side of the second geom moves by −angle × arm
+  const mjtNum gap = point.dist - Dot(normal, Cross(angle, place - first));
+  if (std::abs(gap - points[0].dist) > kSameGap * size) return count;
+  for (int i = 0; i < count; ++i) {
+    if (Norm(place - Load(points[i].pos)) < kApart * size) return count;
+  }
+  points[count] = points[0];
+  points[count].dist = gap;
+  Store(place + Dot(normal, first - place) * normal, points[count].pos);
+  return count + 1;
 }
 
 }  // namespace
@@ -34,14 +132,17 @@ bool CanBeAsked(const mjModel* m, const mjContact& contact) {
 
 int FindPoints(const mjModel* m, mjData* d, const mjContact& like, mjtNum margin,
                mjContact points[kMostPoints]) {
-  mjPreContact found[kMostPoints];
-  const int count =
-      std::min(kMostPoints, FunctionOf(m, like)(m, d, found, like.geom[0], like.geom[1], margin));
-  for (int i = 0; i < count; ++i) {
-    points[i] = like;
-    points[i].dist = found[i].dist;
-    mju_copy3(points[i].pos, found[i].pos);
-    mju_copy3(points[i].frame, found[i].normal);
+  int count = Ask(m, d, like, margin, points);
+  if (count != 1 || !MayTouchAlong(m, like)) return count;
+  const mjtNum size = std::min(SizeOf(m, like.geom[0]), SizeOf(m, like.geom[1]));
+  if (std::abs(points[0].dist) > kTouching * size) return count;
+  const Vector3 normal = Load(points[0].frame);
+  const Vector3 across =
+      UnitOr(Cross(normal, std::abs(normal.x) < 0.5 ? Vector3{1, 0, 0} : Vector3{0, 1, 0}), normal);
+  for (const Vector3& axis : {across, Cross(normal, across)}) {
+    for (const mjtNum angle : {kTilt, -kTilt}) {
+      count = AddTilted(m, d, like, angle * axis, margin, size, points, count);
+    }
   }
   return count;
 }

@@ -25,6 +25,10 @@ constexpr int kMostPoints = mjMAXCONPAIR;
 
 // Finds the points in which the geoms of `like` touch or are up to `margin` [m] apart. Each is a
 // copy of `like` with the distance, the place and the normal of its own. Returns their number.
+//
+// Of two geoms that touch along a line or a face MuJoCo's general algorithm tells one point, at one
+// end of it: a push there would turn bodies that only bounce. So where it tells one, the second
+// geom is tilted a little to four sides, and what is then touched first are the other ends.
 int FindPoints(const mjModel* m, mjData* d, const mjContact& like, mjtNum margin,
                mjContact points[kMostPoints]);
 

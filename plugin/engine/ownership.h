@@ -42,8 +42,8 @@ class Ownership {
 
 // Whether a negative margin hands the impacts of the contact to the plugin.
 inline bool IsOffered(const mjContact& contact) {
-  return contact.exclude <= 1 && contact.includemargin < 0 && contact.geom[0] >= 0 &&
-         contact.geom[1] >= 0;
+  return contact.exclude <= 1 && contact.adhesion == 0 && contact.includemargin < 0 &&
+         contact.geom[0] >= 0 && contact.geom[1] >= 0;
 }
 
 // Whether the bodies overlap so deep that MuJoCo's solver carries the contact.

@@ -40,8 +40,8 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   if (state.header().active > 0 || state.header().pending != 0) state.ResetUnlessSound(m, instance);
   OpenStage(m, d, state);
   DiscardPending(m, state);
-  SilenceMoving(m, d, instance);
   const bool pulses = state.header().active > 0;
+  if (!pulses) SilenceMoving(m, d, instance);
   const bool closing = AnyMayClose(m, d, state.header().touch);
   if (!pulses && !closing) return;
 
