@@ -157,7 +157,7 @@ struct RigidFlights::Flight {
   mjtNum time;                // up to which the twins have flown [s]
   Acceleration acceleration;  // of both
   RigidState now, unstruck;
-  mjtNum work;  // of the impulses on the spin [J]
+  mjtNum rotation[4];  // of the body where its impulses were found
 };
 
 RigidFlights::Flight& RigidFlights::Of(int tree) const { return flights_[index_[tree]]; }
@@ -222,7 +222,7 @@ RigidFlights::RigidFlights(const mjModel* m, const mjData* d, const Motion& moti
       index[tree] = -1;
       continue;
     }
-    Flight& flight = *new (&Of(tree)) Flight{RigidInertia(m, d, tree), false, 0, {}, {}, {}, 0};
+    Flight& flight = *new (&Of(tree)) Flight{RigidInertia(m, d, tree), false, 0, {}, {}, {}, {}};
     const int begin = m->tree_dofadr[tree];
     const mjtNum* rotation = d->xquat + 4 * m->dof_bodyid[begin];
     flight.acceleration = OtherForces(flight.inertia, rotation, motion.acceleration + begin,
@@ -239,19 +239,19 @@ void RigidFlights::Add(const mjData* d, int tree, mjtNum t, const mjtNum* veloci
     flight.now = flight.unstruck = FromJoint(inertia, qpos, velocity + m_->tree_dofadr[tree]);
     flight.struck = true;
     flight.time = t;
+    mju_copy4(flight.rotation, flight.now.rotation);
   } else if (t != flight.time) {
     Fly(inertia, flight.acceleration, t - flight.time, flight.now);
     Fly(inertia, flight.acceleration, t - flight.time, flight.unstruck);
     flight.time = t;
+    mju_copy4(flight.rotation, flight.now.rotation);
   }
   RigidState& now = flight.now;
   const auto of_centre = [&](const mjtNum* change) {
-    return Load(change) + ToWorld(now.rotation, Cross(Load(change + 3), inertia.offset));
+    return Load(change) + ToWorld(flight.rotation, Cross(Load(change + 3), inertia.offset));
   };
-  const Vector3 spin = now.spin + Load(kick + 3);
-  flight.work += SpinEnergy(inertia, spin) - SpinEnergy(inertia, now.spin);
   now.velocity += of_centre(kick);
-  now.spin = spin;
+  now.spin += Load(kick + 3);
   // the impulse came t_P = moment / impulse instead of t: Δx = (t − t_P) ΔV
   mjtNum late[6];
   for (int i = 0; i < 6; ++i) late[i] = t * kick[i] - moment[i];
@@ -297,7 +297,12 @@ void RigidFlights::Finish(State& state) {
     mju_copy3(state.correction() + begin + 3, angle);
     Store(now.velocity - unstruck.velocity, state.held_force() + begin);
     Store(now.spin - unstruck.spin, state.held_force() + begin + 3);
-    state.flight(tree) = {1, flight.work};
+    FlightRecord& record = state.flight(tree);
+    record.struck = 1;
+    record.work = SpinEnergy(flight.inertia, now.spin) - SpinEnergy(flight.inertia, unstruck.spin);
+    // the velocity of MuJoCo's bodies is behind that of their path
+    const mjtNum lag = (0.5 - ImpulseLag(m_)) * h;
+    Store(unstruck.velocity - lag * flight.acceleration.linear, record.velocity);
   }
 }
 
@@ -309,7 +314,12 @@ void CommitFlights(const mjModel* m, mjData* d, State& state) {
     mjtNum *correction = state.correction() + begin, *change = state.held_force() + begin;
     mjtNum *qpos = Position(m, tree, d->qpos), *qvel = d->qvel + begin;
     RigidState body = FromJoint(inertia, qpos, qvel);
-    const mjtNum energy = SpinEnergy(inertia, body.spin) + state.flight(tree).work;
+    const FlightRecord& record = state.flight(tree);
+    // MuJoCo's flight of a body whose centre is not at its joint does not keep its momentum m v:
+    // the work that the impulse does for it is not one of the impact
+    const Vector3 drift = body.velocity - Load(record.velocity);
+    const mjtNum energy =
+        SpinEnergy(inertia, body.spin) + record.work - inertia.mass * Dot(Load(change), drift);
     body.position += Load(correction);
     Turn(Load(correction + 3), body.rotation);
     body.velocity += Load(change);
@@ -320,7 +330,7 @@ void CommitFlights(const mjModel* m, mjData* d, State& state) {
     // the rest of the corrections is MuJoCo's to integrate
     mju_zero(correction, 6);
     mju_zero(change, 6);
-    state.flight(tree) = {0, 0};
+    state.flight(tree) = {};
   }
 }
 

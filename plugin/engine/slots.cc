@@ -33,7 +33,7 @@ void DiscardPending(const mjModel* m, State& state) {
   if (state.header().pending == 0) return;
   state.header().pending = 0;
   state.header().pending_pulses = 0;
-  for (int tree = 0; tree < m->ntree; ++tree) state.flight(tree) = {0, 0};
+  for (int tree = 0; tree < m->ntree; ++tree) state.flight(tree) = {};
   for (int i = 0; i < state.slots(); ++i) {
     Pulse& pulse = state.pulse(i);
     pulse.delivered_next = pulse.delivered;

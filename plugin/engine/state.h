@@ -66,8 +66,9 @@ struct GeomRecord {
 // What impacts do to a tumbling body, beside its entries of the correction and the held force
 // (rigid_flight.h).
 struct FlightRecord {
-  double struck;  // 1: those entries are differences of its motion at the end of the step
-  double work;    // of the impulses on its spin [J]
+  double struck;       // 1: those entries are differences of its motion at the end of the step
+  double work;         // by which its spin is richer than unstruck [J]
+  double velocity[3];  // of its centre at the end of the step, unstruck [m/s]
 };
 
 struct Header {
