@@ -22,11 +22,8 @@ constexpr mjtNum kOfRadius = 0.5;
 constexpr mjtNum kShown = 0.05;
 
 // How much deeper than at the onset bodies may come. The nearer to M they are, the less.
-mjtNum RoomOf(const mjModel* m, const ContactRow& row) {
+mjtNum RoomOf(const ContactRow& row, mjtNum depth) {
   constexpr mjtNum kOfRest = 0.25, kLeast = 1e-3;
-  // bodies that part do not feel the contact that MuJoCo finds below the margin
-  const mjtNum shown = kShown / ContactCurvature(m, *row.contact);
-  const mjtNum depth = std::max(shown, -row.contact->includemargin);
   const mjtNum overlap = std::max<mjtNum>(0, -row.gap);
   return std::max({kOfDepth * depth - overlap, kOfRest * (depth - overlap), kLeast * depth});
 }
@@ -39,9 +36,16 @@ mjtNum TwiceIntegrated(const IslandProblem& problem, int k, mjtNum t, mjtNum res
          (x * law::WaveformCumulative(x, restitution) - law::WaveformMoment(x, restitution));
 }
 
+// The depth M while pulses last. Where impulses come at once the solver leaves alone what parts
+// (silence.h), so more may show.
+mjtNum DepthOf(const mjModel* m, const ContactRow& row, bool at_once) {
+  const mjtNum depth = -row.contact->includemargin;
+  return at_once ? std::max(depth, kShown / ContactCurvature(m, *row.contact)) : depth;
+}
+
 // λ at time t, `integral` ∫∫ F_k by then.
 mjtNum LessAt(const mjModel* m, const IslandSystem& system, const IslandProblem& problem, mjtNum t,
-              const mjtNum* integral) {
+              const mjtNum* integral, bool at_once) {
   mjtNum* displacement = problem.work.numbers + problem.size;
   law::Multiply(system.delassus, integral, displacement);
   mjtNum less = 1;
@@ -49,7 +53,7 @@ mjtNum LessAt(const mjModel* m, const IslandSystem& system, const IslandProblem&
     if (problem.impulse[k] <= 0) continue;
     // y = c t − g − W ∫∫ F
     const mjtNum overlap = problem.closing_speed[k] * t - problem.gap[k] - displacement[k];
-    const mjtNum room = RoomOf(m, system.row[k]);
+    const mjtNum room = RoomOf(system.row[k], DepthOf(m, system.row[k], at_once));
     if (overlap > room) less = std::min(less, room / overlap);
   }
   return less;
@@ -62,7 +66,7 @@ mjtNum LessOfMoments(const mjModel* m, const IslandSystem& system, const IslandP
   for (int k = 0; k < problem.size; ++k) {
     integral[k] = problem.impulse[k] * t - problem.moment[k];
   }
-  return LessAt(m, system, problem, t, integral);
+  return LessAt(m, system, problem, t, integral, true);
 }
 
 }  // namespace
@@ -101,7 +105,7 @@ mjtNum OverlapLess(const mjModel* m, const Config& config, const IslandSystem& s
     for (int k = 0; k < problem.size; ++k) {
       integral[k] = TwiceIntegrated(problem, k, t, config.waveform_restitution);
     }
-    less = std::min(less, LessAt(m, system, problem, t, integral));
+    less = std::min(less, LessAt(m, system, problem, t, integral, false));
   }
   return less;
 }

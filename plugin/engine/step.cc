@@ -6,6 +6,7 @@
 #include "engine/gather.h"
 #include "engine/impacts.h"
 #include "engine/mobility.h"
+#include "engine/narrow_phase.h"
 #include "engine/rigid_flight.h"
 #include "engine/runge_kutta.h"
 #include "engine/scratch.h"
@@ -25,8 +26,13 @@ size_t StepBytes(const mjModel* m, const mjData* d) {
   constexpr size_t kVectors = 48;
   const size_t numbers = m->nq + m->nv + m->nbody + m->ntree + m->nu;
   // nine: the points of other shapes are found again, and more of them
-  const size_t points = 9 * d->ncon * (sizeof(ContactAnchor) + sizeof(mjContact) + kVectors);
-  return kVectors * numbers * sizeof(mjtNum) + points;
+  size_t points = 0;
+  for (int i = 0; i < d->ncon; ++i) {
+    const mjContact& contact = d->contact[i];
+    points += contact.geom[0] < 0 || FollowsFromCentres(m, contact) ? 1 : 9;
+  }
+  constexpr size_t kPoint = sizeof(ContactAnchor) + sizeof(mjContact) + 2 * kVectors;
+  return kVectors * numbers * sizeof(mjtNum) + points * kPoint;
 }
 
 }  // namespace
