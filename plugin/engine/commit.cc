@@ -28,7 +28,7 @@ void CorrectForEuler(const mjModel* m, mjData* d, State& state) {
 
 // With both flags MuJoCo calls no passive plugin, though it does call advance. Compiled in they are
 // refused; this is for flags that are set afterwards.
-void WarnIfSilenced(const mjModel* m, const mjData* d, mjtNum touch) {
+void WarnIfSilenced(const mjModel* m, mjData* d, mjtNum touch) {
   constexpr int kSilenced = mjDSBL_SPRING | mjDSBL_DAMPER;
   if ((m->opt.disableflags & kSilenced) != kSilenced || !AnyMayClose(m, d, touch)) return;
   mju_warning(

@@ -60,13 +60,24 @@ int RoomForPoints(const mjModel* m, const mjContact* const* contacts, int count)
 }
 
 // Puts a point in place of contact k.
-void Replace(const mjContact& point, int k, Gathered& gathered) {
+void Replace(const mjModel* m, const mjData* d, const mjContact& point, int k, Gathered& gathered) {
   gathered.found[k] = point;
   gathered.contact[k] = gathered.found + k;
   gathered.anchored[k] = false;
   gathered.relevant[k] = true;
   gathered.idle[k] = gathered.due[k] = gathered.near[k] = false;
-  gathered.lowest[k] = point.dist;
+  const mjtNum speed = std::max<mjtNum>(0, ClosingSpeed(m, d, point));
+  gathered.lowest[k] = point.dist - speed * m->opt.timestep;
+}
+
+// As MayClose, for a contact whose distance is in doubt.
+bool MayCloseAfterAll(const mjModel* m, mjData* d, const mjContact& contact, mjtNum touch) {
+  Scratch scratch(d);
+  if (!scratch.Fits(kMostPoints * sizeof(mjContact))) return true;
+  mjContact* points = scratch.Take<mjContact>(kMostPoints);
+  const int number = FindPoints(m, d, contact, contact.dist, points);
+  return std::any_of(points, points + number,
+                     [&](const mjContact& point) { return MayClose(m, d, point, touch); });
 }
 
 // Whether the inertia of the tree stays as it is while its bodies move: one joint, or a free body
@@ -107,24 +118,26 @@ void FindPointsAgain(const mjModel* m, mjData* d, const int* position, int count
     int next = 0;
     for (int k = 0; k < known; ++k) {
       if (!SamePair(*gathered.contact[k], like)) continue;
-      Replace(next < number ? points[next] : like, k, gathered);
+      Replace(m, d, next < number ? points[next] : like, k, gathered);
       ++next;
     }
     for (; next < number && gathered.count < gathered.room; ++next) {
-      Replace(points[next], gathered.count++, gathered);
+      Replace(m, d, points[next], gathered.count++, gathered);
     }
   }
 }
 
-bool AnyMayClose(const mjModel* m, const mjData* d, mjtNum touch) {
+bool AnyMayClose(const mjModel* m, mjData* d, mjtNum touch) {
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
-    if (IsOffered(contact) && MayClose(m, d, contact, touch)) return true;
+    if (!IsOffered(contact)) continue;
+    if (MayClose(m, d, contact, touch)) return true;
+    if (IsDoubtful(m, d, i) && MayCloseAfterAll(m, d, contact, touch)) return true;
   }
   return false;
 }
 
-Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership, bool pulses,
+Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership, bool pulses,
                         Scratch& scratch) {
   const mjContact** owned = scratch.Take<const mjContact*>(d->ncon);
   int count = 0;
@@ -159,6 +172,10 @@ Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& owne
     gathered.farthest = std::max(gathered.farthest, contact.dist);
     const mjtNum speed = std::max<mjtNum>(0, ClosingSpeed(m, d, contact));
     gathered.lowest[k] = contact.dist - speed * m->opt.timestep;
+  }
+  for (int k = 0; k < count; ++k) {
+    const int i = static_cast<int>(owned[k] - d->contact);
+    if (IsDoubtful(m, d, i)) FindPointsAgain(m, d, &k, 1, gathered, scratch);
   }
   return gathered;
 }

@@ -17,7 +17,7 @@
 namespace mujoco_impact::engine {
 
 // Whether any contact that is offered may close within the step: all that most steps ever ask.
-bool AnyMayClose(const mjModel* m, const mjData* d, mjtNum touch);
+bool AnyMayClose(const mjModel* m, mjData* d, mjtNum touch);
 
 // The owned contacts between bodies of which at least one moves.
 struct Gathered {
@@ -36,7 +36,7 @@ struct Gathered {
 };
 
 // While pulses last, a contact deeper than its margin is MuJoCo's alone.
-Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership, bool pulses,
+Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership, bool pulses,
                         Scratch& scratch);
 
 // Whether the path of the contact is that of two points of bodies whose inertia stays as it is;

@@ -20,10 +20,24 @@ bool IsCentred(const mjModel* m, int geom) {
   return IsSphere(m, geom) || m->geom_type[geom] == mjGEOM_PLANE;
 }
 
+// How far geoms are moved apart to find their normal, over the size of the smaller one.
+constexpr mjtNum kShift = 1e-2;
+
 // What counts as one touch along a line or a face, over the size of the smaller geom: the gap at
 // the points of it and their distance from each other, and by which angle the geoms are tilted to
 // find them [rad].
 constexpr mjtNum kTouching = 1e-3, kSameGap = 1e-5, kApart = 1e-2, kTilt = 1e-3;
+
+// Whether the pair has no function of its own.
+bool IsGeneral(const mjModel* m, const mjContact& contact) {
+  bool general = false;
+  for (const int geom : contact.geom) {
+    const int type = m->geom_type[geom];
+    general = general || type == mjGEOM_MESH || type == mjGEOM_CYLINDER;
+    if (type <= mjGEOM_SPHERE || type == mjGEOM_SDF) return false;
+  }
+  return general;
+}
 
 // Whether the narrow phase tells one point where two geoms may touch along a line or a face.
 bool MayTouchAlong(const mjModel* m, const mjContact& contact) {
@@ -35,17 +49,32 @@ bool MayTouchAlong(const mjModel* m, const mjContact& contact) {
   return is_straight(contact.geom[0]) && is_straight(contact.geom[1]);
 }
 
-mjtNum SizeOf(const mjModel* m, int geom) { return m->geom_rbound[geom]; }
+// Of a bounded geom; a plane has none.
+mjtNum SizeOf(const mjModel* m, int geom) {
+  return m->geom_type[geom] == mjGEOM_PLANE ? mjMAXVAL : m->geom_rbound[geom];
+}
 
-// MuJoCo's general algorithm knows the normal of bodies that are apart to rounding, of those that
-// touch only to the square root of its tolerance. Moved apart along the normal, two convex bodies
-// keep their nearest points: so the second geom is asked for at δ from where it is.
+// The same model for a narrow phase that goes on until rounding: a normal is as good as the root of
+// the tolerance. A shallow copy; the model itself is everybody's.
+mjModel WithFineTolerance(const mjModel* m) {
+  mjModel fine = *m;
+  fine.opt.ccd_tolerance = 1e-15;
+  fine.opt.ccd_iterations = std::max(200, fine.opt.ccd_iterations);
+  // its further points are those of a clipped face, with the normal of the first
+  fine.opt.disableflags |= mjDSBL_MULTICCD;
+  return fine;
+}
+
+// MuJoCo's general algorithm finds the normal of bodies that touch less well than of those that are
+// apart. Moved apart along the normal, two convex bodies keep their nearest points: so the second
+// geom is asked for at a distance from where it is.
 int Ask(const mjModel* m, mjData* d, const mjContact& like, mjtNum margin,
         mjContact points[kMostPoints]) {
   mjPreContact found[kMostPoints];
   mjtNum* position = d->geom_xpos + 3 * like.geom[1];
   const Vector3 place = Load(position);
-  const Vector3 shift = 10 * m->opt.ccd_tolerance * Load(like.frame);
+  const mjtNum size = std::min(SizeOf(m, like.geom[0]), SizeOf(m, like.geom[1]));
+  const Vector3 shift = kShift * size * Load(like.frame);
   Store(place + shift, position);
   const int count = std::min(kMostPoints, FunctionOf(m, like)(m, d, found, like.geom[0],
                                                               like.geom[1], margin + Norm(shift)));
@@ -130,8 +159,24 @@ bool CanBeAsked(const mjModel* m, const mjContact& contact) {
   return FunctionOf(m, contact) != nullptr;
 }
 
-int FindPoints(const mjModel* m, mjData* d, const mjContact& like, mjtNum margin,
+bool IsDoubtful(const mjModel* m, const mjData* d, int i) {
+  const mjContact& contact = d->contact[i];
+  if (contact.geom[0] < 0 || contact.geom[1] < 0 || contact.dist <= 0) return false;
+  const auto same = [&](int j) {
+    return j >= 0 && j < d->ncon && d->contact[j].geom[0] == contact.geom[0] &&
+           d->contact[j].geom[1] == contact.geom[1];
+  };
+  if (same(i - 1) || !same(i + 1) || !IsGeneral(m, contact)) return false;
+  for (int j = i + 1; same(j); ++j) {
+    if (d->contact[j].dist <= 0) return false;
+  }
+  return true;
+}
+
+int FindPoints(const mjModel* model, mjData* d, const mjContact& like, mjtNum margin,
                mjContact points[kMostPoints]) {
+  const mjModel fine = WithFineTolerance(model);
+  const mjModel* m = &fine;
   int count = Ask(m, d, like, margin, points);
   if (count != 1 || !MayTouchAlong(m, like)) return count;
   const mjtNum size = std::min(SizeOf(m, like.geom[0]), SizeOf(m, like.geom[1]));

@@ -20,6 +20,11 @@ bool FollowsFromCentres(const mjModel* m, const mjContact& contact);
 // those of the start of the step.
 bool CanBeAsked(const mjModel* m, const mjContact& contact);
 
+// Whether the distances that MuJoCo found for the pair of contact i, the first of it, are in doubt.
+// Of two geoms that are apart but near, its general algorithm may tell several points: those of
+// their nearest faces, clipped, with distances that can be twice the true one.
+bool IsDoubtful(const mjModel* m, const mjData* d, int i);
+
 // The most points that a pair may touch in.
 constexpr int kMostPoints = mjMAXCONPAIR;
 

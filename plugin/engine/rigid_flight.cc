@@ -126,6 +126,30 @@ Acceleration OtherForces(const RigidInertia& inertia, const mjtNum* rotation,
   return {Load(acceleration) + ToWorld(rotation, of_offset), rate - GyroscopicRate(inertia, spin)};
 }
 
+// The spin that an impact leaves, whose energy is by `work` larger: ω° + κ Δω, κ the root next to 1
+// of
+//
+//   ½ Δω·J Δω κ² + Δω·J ω° κ = work
+//
+// which leaves alone what the impact does, such as the spin about an axis of symmetry. Where Δω
+// hardly changes the energy, all of the spin is scaled.
+Vector3 SpinAfter(const RigidInertia& inertia, const Vector3& unstruck, const Vector3& change,
+                  mjtNum work) {
+  constexpr mjtNum kMostChange = 0.05;
+  const mjtNum A = SpinEnergy(inertia, change);
+  const mjtNum B = Dot(change, Times(inertia.matrix, unstruck));
+  const mjtNum discriminant = B * B + 4 * A * work;
+  if (discriminant > 0) {
+    const mjtNum root = std::copysign(std::sqrt(discriminant), 2 * A + B);
+    const mjtNum kappa = A > 0 ? (root - B) / (2 * A) : 1;
+    if (std::abs(kappa - 1) <= kMostChange) return unstruck + kappa * change;
+  }
+  const Vector3 spin = unstruck + change;
+  const mjtNum found = SpinEnergy(inertia, spin);
+  const mjtNum energy = std::max<mjtNum>(0, SpinEnergy(inertia, unstruck) + work);
+  return found > 0 ? std::sqrt(energy / found) * spin : spin;
+}
+
 // A contact that the solver leaves alone.
 bool IsSilent(const mjModel* m, const mjData* d, int i) {
   const int type = d->efc_type[i];
@@ -318,14 +342,11 @@ void CommitFlights(const mjModel* m, mjData* d, State& state) {
     // MuJoCo's flight of a body whose centre is not at its joint does not keep its momentum m v:
     // the work that the impulse does for it is not one of the impact
     const Vector3 drift = body.velocity - Load(record.velocity);
-    const mjtNum energy =
-        SpinEnergy(inertia, body.spin) + record.work - inertia.mass * Dot(Load(change), drift);
+    const mjtNum work = record.work - inertia.mass * Dot(Load(change), drift);
+    body.spin = SpinAfter(inertia, body.spin, Load(change + 3), work);
     body.position += Load(correction);
     Turn(Load(correction + 3), body.rotation);
     body.velocity += Load(change);
-    body.spin += Load(change + 3);
-    const mjtNum found = SpinEnergy(inertia, body.spin);
-    if (found > 0) body.spin = std::sqrt(std::max<mjtNum>(0, energy) / found) * body.spin;
     ToJoint(inertia, body, qpos, qvel);
     // the rest of the corrections is MuJoCo's to integrate
     mju_zero(correction, 6);
