@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <new>
 
+#include "engine/contact_stiffness.h"
 #include "engine/islands.h"
 
 namespace mujoco_impact::engine {
@@ -21,6 +22,7 @@ void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau
              Scratch& scratch) {
   row.normal = row.path.Normal(tau);
   row.gap = row.path.Gap(tau);
+  row.curvature = ContactCurvature(m, d, *row.contact);
   row.turn_rate = row.path.TurnRate(tau);
   const ContactTrees trees = TreesOf(m, *row.contact);
   const bool merged = trees.tree[0] == trees.tree[1];
@@ -175,6 +177,7 @@ IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobi
         new (&system.row[k]) ContactRow{&d->contact[contacts.contact[i]],
                                         ContactPath(m, d, Anchor(m, d, contacts, i), motion),
                                         {},
+                                        0,
                                         0,
                                         0,
                                         {}};

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/contact_stiffness.h"
 #include "law/waveform.h"
 
 namespace mujoco_impact::engine {
@@ -68,12 +67,12 @@ mjtNum EndOf(const IslandProblem& problem) {
   return end;
 }
 
-mjtNum CompressLess(const mjModel* m, const IslandSystem& system, const IslandProblem& problem) {
+mjtNum CompressLess(const IslandSystem& system, const IslandProblem& problem) {
   mjtNum less = 1;
   for (int k = 0; k < problem.size; ++k) {
     const mjtNum P = problem.impulse[k], W = problem.duration[k];
     if (P <= 0) continue;
-    const mjtNum deepest = kOfRadius / ContactCurvature(m, *system.row[k].contact);
+    const mjtNum deepest = kOfRadius / system.row[k].curvature;
     // a push that is rounding has a peak without meaning, but stops no more than P W_kk
     const mjtNum bound = P * system.delassus.diagonal[k] * W;
     if (bound <= deepest) continue;

@@ -21,7 +21,7 @@ namespace mujoco_impact::engine {
 mjtNum EndOf(const IslandProblem& problem);
 
 // For the compressions of the Hertz law, by the peak forces of its solution, H = K y^(3/2).
-mjtNum CompressLess(const mjModel* m, const IslandSystem& system, const IslandProblem& problem);
+mjtNum CompressLess(const IslandSystem& system, const IslandProblem& problem);
 
 // For normals that turn while the pulses last: their impulses act along those of the onset.
 mjtNum TurnLess(const IslandSystem& system, const IslandProblem& problem);

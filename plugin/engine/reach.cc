@@ -30,7 +30,7 @@ mjtNum ReachOfRound(const mjModel* m, const mjData* d, const Config& config, con
     const mjtNum speed = -path.GapRate(contacts.tau[k]);
     if (speed <= 0) continue;
     const mjtNum contact_time =
-        EstimateContactTime(m, config, d->contact[contacts.contact[k]], speed);
+        EstimateContactTime(m, d, config, d->contact[contacts.contact[k]], speed);
     const mjtNum time = std::max(flight, law::kSameImpactTimes * contact_time);
     reach = std::max(reach, kFastest * speed * time);
   }
@@ -68,7 +68,7 @@ Islands ReachedPart(const mjModel* m, const mjData* d, const Mobility& mobility,
     fastest = std::max(fastest, speed[i]);
   }
   const int first = position[time.first];
-  const mjtNum room = kOfRadius / ContactCurvature(m, d->contact[contacts.contact[first]]);
+  const mjtNum room = kOfRadius / ContactCurvature(m, d, d->contact[contacts.contact[first]]);
   time.longest = room / std::max(kFastest * fastest, mjMINVAL);
   time.flight = std::min(time.flight, time.longest);
   time.horizon = std::min(time.horizon, time.longest);

@@ -116,7 +116,7 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
   bool at_once = false;
   for (int i = 0;; ++i) {
     const bool over = SolveHertz(m, config, system, time, problem);
-    mjtNum less = std::min(CompressLess(m, system, problem), TurnLess(system, problem));
+    mjtNum less = std::min(CompressLess(system, problem), TurnLess(system, problem));
     if (config.restitution < 1) less = std::min(less, DentLess(system, problem));
     if (InstantRule(config) && less >= 1) {
       at_once = AreShorter(problem, time.timestep) && MayComeAtOnce(system, problem, time.left());
