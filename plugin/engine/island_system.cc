@@ -7,6 +7,8 @@
 
 #include "engine/contact_stiffness.h"
 #include "engine/islands.h"
+#include "engine/resolve.h"
+#include "law/impact_law.h"
 
 namespace mujoco_impact::engine {
 
@@ -159,10 +161,13 @@ size_t IslandBytes(const mjModel* m, const mjData* d, const Mobility& mobility,
       couples += 2 * on_tree[mobility.Group(tree)]++ + 1;
     }
   }
-  // of the Delassus matrix, the laws and the resolution
-  constexpr size_t kPerContact = 832;
+  // the workspace of the law, and the list of α
+  const size_t laws = law::ImpactNumbers(count) * sizeof(double) +
+                      law::ImpactIndices(count) * sizeof(int) + m->ngeom * sizeof(mjtNum);
+  // an IslandProblem and the lists of the Delassus matrix; what arrays are aligned by
+  constexpr size_t kPerContact = 16 * sizeof(mjtNum), kAlignment = 512;
   const size_t ties = static_cast<size_t>(mobility.ties()) * (count + 1) * sizeof(mjtNum);
-  return ties + count * (sizeof(ContactRow) + kPerContact) +
+  return kAlignment + laws + ties + count * (sizeof(ContactRow) + sizeof(Impact) + kPerContact) +
          couples * (sizeof(mjtNum) + sizeof(int)) + (2 * dofs + m->nv) * sizeof(mjtNum) +
          4 * m->ntree * sizeof(int);
 }
