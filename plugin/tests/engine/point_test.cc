@@ -114,5 +114,22 @@ TEST_P(MovingPoint, ItsRowAtALaterTimeIsGoodToFirstOrder) {
   EXPECT_LT(error(tau / 2), 0.3 * error(tau) + 1e-14);
 }
 
+// A ball whose centre of mass is elsewhere, for what it carries.
+TEST(FreeBody, IsNotTurnedByAForceThroughItsOrigin) {
+  Scene scene(kTrees);
+  scene.Disturb();
+  Scratch scratch(scene.d());
+  const Mobility mobility(scene.m(), scene.d(), scratch);
+  const Motion motion = PredictMotion(scene.m(), scene.d(), mobility, scratch);
+  const BodyPoint origin{1, Load(scene.d()->xpos + 3)};
+  const mjtNum tau = 0.01;
+  const PointDerivatives path = PointMotion(scene.m(), scene.d(), origin, motion, true);
+  const Vector3 moved = origin.position + Displacement(path, tau);
+  Numbers row(scene.m()->tree_dofnum[0]);
+  AddRowAt(scene.m(), scene.d(), origin, motion, tau, moved, kNormal, 1, row.data());
+  EXPECT_NEAR(row[0], kNormal.x, 1e-15);
+  for (int i = 3; i < 6; ++i) EXPECT_NEAR(row[i], 0, 1e-15);
+}
+
 }  // namespace
 }  // namespace mujoco_impact::engine
