@@ -19,59 +19,52 @@ mjtNum Impedance(const mjtNum* solimp, mjtNum violation) {
   return std::clamp<mjtNum>(solimp[0] + y * (solimp[1] - solimp[0]), mjMINIMP, mjMAXIMP);
 }
 
-// The size of the violation of constraint `id`, of which the impedance is a function: rows of one
-// `connect` or `weld` share it.
-mjtNum Violation(const mjData* d, int i) {
-  const auto same = [&](int j) {
-    return j >= 0 && j < d->ne && d->efc_id[j] == d->efc_id[i] &&
-           d->efc_type[j] == mjCNSTR_EQUALITY;
-  };
+bool HasRowsTogether(const mjModel* m, int id) {
+  return m->eq_type[id] == mjEQ_CONNECT || m->eq_type[id] == mjEQ_WELD;
+}
+
+// Row i among those of its constraint.
+int Place(const mjData* d, int i) {
+  int place = 0;
+  while (place < i && d->efc_id[i - place - 1] == d->efc_id[i]) ++place;
+  return place;
+}
+
+// How far the constraint of row i is violated: all rows of a `connect` or `weld` together.
+mjtNum Violation(const mjModel* m, const mjData* d, int i) {
+  if (!HasRowsTogether(m, d->efc_id[i])) return d->efc_pos[i] - d->efc_margin[i];
   mjtNum sum = 0;
-  int first = i;
-  while (same(first - 1)) --first;
-  for (int j = first; same(j); ++j) {
+  for (int j = i - Place(d, i); j < d->ne && d->efc_id[j] == d->efc_id[i]; ++j) {
     const mjtNum violation = d->efc_pos[j] - d->efc_margin[j];
     sum += violation * violation;
   }
   return std::sqrt(sum);
 }
 
-int BodyOf(const mjModel* m, int objtype, int id) {
-  return objtype == mjOBJ_SITE ? m->site_bodyid[id] : id;
-}
-
 // A_ii as MuJoCo estimates it, from the inertia in qpos0; `exact` where it does not.
 mjtNum Estimate(const mjModel* m, const mjData* d, int i, mjtNum exact) {
   if (m->opt.enableflags & mjENBL_DIAGEXACT) return exact;
   const int id = d->efc_id[i], first = m->eq_obj1id[id], second = m->eq_obj2id[id];
-  const auto of_both = [&](const mjtNum* weight) {
-    return weight[first] + (second >= 0 ? weight[second] : 0);
+  const auto both = [](const mjtNum* weight, int a, int b) {
+    return weight[a] + (b >= 0 ? weight[b] : 0);
   };
-  switch (m->eq_type[id]) {
-    case mjEQ_CONNECT:
-    case mjEQ_WELD: {
-      int row = 0;
-      while (row < i && d->efc_id[i - row - 1] == id) ++row;
-      const int rotation = row < 3 ? 0 : 1;
-      const int objtype = m->eq_objtype[id];
-      return m->body_invweight0[2 * BodyOf(m, objtype, first) + rotation] +
-             m->body_invweight0[2 * BodyOf(m, objtype, second) + rotation];
-    }
-    case mjEQ_JOINT:
-      return m->dof_invweight0[m->jnt_dofadr[first]] +
-             (second >= 0 ? m->dof_invweight0[m->jnt_dofadr[second]] : 0);
-    case mjEQ_TENDON:
-      return of_both(m->tendon_invweight0);
-    default:
-      return exact;
+  if (HasRowsTogether(m, id)) {
+    const bool sites = m->eq_objtype[id] == mjOBJ_SITE;
+    const int rotation = Place(d, i) < 3 ? 0 : 1;
+    return both(m->body_invweight0 + rotation, 2 * (sites ? m->site_bodyid[first] : first),
+                2 * (sites ? m->site_bodyid[second] : second));
   }
+  if (m->eq_type[id] == mjEQ_JOINT) {
+    return both(m->dof_invweight0, m->jnt_dofadr[first], second < 0 ? -1 : m->jnt_dofadr[second]);
+  }
+  return m->eq_type[id] == mjEQ_TENDON ? both(m->tendon_invweight0, first, second) : exact;
 }
 
-// k/d, b and d of a row, and R, for the integrator `discrete`.
+// k/d, b and d of a row, as MuJoCo keeps them, and R, for the integrator `discrete`.
 void MakeRow(const mjModel* m, mjData* d, int i, mjtNum exact) {
   const mjtNum* solimp = m->eq_solimp + mjNIMP * d->efc_id[i];
   const mjtNum* solref = m->eq_solref + mjNREF * d->efc_id[i];
-  const mjtNum impedance = Impedance(solimp, Violation(d, i));
+  const mjtNum impedance = Impedance(solimp, Violation(m, d, i));
   const mjtNum most = std::clamp<mjtNum>(solimp[1], mjMINIMP, mjMAXIMP);
   mjtNum* KBI = d->efc_KBIP + 4 * i;
   if (solref[0] > 0) {
