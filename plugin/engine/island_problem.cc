@@ -2,7 +2,7 @@
 
 #include "engine/island_problem.h"
 
-#include "engine/contact_stiffness.h"
+#include "law/hertz_contact.h"
 #include "law/impact_law.h"
 
 namespace mujoco_impact::engine {
@@ -25,7 +25,7 @@ IslandProblem MakeProblem(const mjModel* m, const Config& config, const IslandSy
     const ContactRow& row = system.row[k];
     problem.closing_speed[k] = -RowTimes(m, row, velocity);
     problem.gap[k] = row.gap <= config.touch ? 0 : row.gap;
-    problem.stiffness[k] = ContactStiffness(m, config, *row.contact);
+    problem.stiffness[k] = law::HertzStiffness(config.effective_modulus, row.curvature);
   }
   return problem;
 }

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <new>
 
+#include "engine/contact_stiffness.h"
 #include "engine/islands.h"
+#include "engine/resolve.h"
+#include "law/impact_law.h"
 
 namespace mujoco_impact::engine {
 
@@ -21,6 +24,7 @@ void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau
              Scratch& scratch) {
   row.normal = row.path.Normal(tau);
   row.gap = row.path.Gap(tau);
+  row.curvature = ContactCurvature(m, d, *row.contact);
   row.turn_rate = row.path.TurnRate(tau);
   const ContactTrees trees = TreesOf(m, *row.contact);
   const bool merged = trees.tree[0] == trees.tree[1];
@@ -157,10 +161,13 @@ size_t IslandBytes(const mjModel* m, const mjData* d, const Mobility& mobility,
       couples += 2 * on_tree[mobility.Group(tree)]++ + 1;
     }
   }
-  // of the Delassus matrix, the laws and the resolution
-  constexpr size_t kPerContact = 832;
+  // the workspace of the law, and the list of α
+  const size_t laws = law::ImpactNumbers(count) * sizeof(double) +
+                      law::ImpactIndices(count) * sizeof(int) + m->ngeom * sizeof(mjtNum);
+  // an IslandProblem and the lists of the Delassus matrix; what arrays are aligned by
+  constexpr size_t kPerContact = 16 * sizeof(mjtNum), kAlignment = 512;
   const size_t ties = static_cast<size_t>(mobility.ties()) * (count + 1) * sizeof(mjtNum);
-  return ties + count * (sizeof(ContactRow) + kPerContact) +
+  return kAlignment + laws + ties + count * (sizeof(ContactRow) + sizeof(Impact) + kPerContact) +
          couples * (sizeof(mjtNum) + sizeof(int)) + (2 * dofs + m->nv) * sizeof(mjtNum) +
          4 * m->ntree * sizeof(int);
 }
@@ -172,7 +179,7 @@ IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobi
   for (int k = 0; k < count; ++k) {
     const int i = position[k];
     ContactRow* row = new (&system.row[k]) ContactRow{
-        contacts.contact[i], ContactPath(m, d, Anchor(m, d, contacts, i), motion), {}, 0, 0, {}};
+        contacts.contact[i], ContactPath(m, d, Anchor(m, d, contacts, i), motion), {}, 0, 0, 0, {}};
     FillRow(m, d, motion, tau, *row, scratch);
   }
   BuildDelassus(m, mobility, system, scratch);

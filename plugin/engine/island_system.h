@@ -31,6 +31,7 @@ struct ContactRow {
   ContactPath path;
   Vector3 normal;    // n(τ), from geom[0] to geom[1]
   mjtNum gap;        // gap(τ) [m]
+  mjtNum curvature;  // 1/R* [1/m]
   mjtNum turn_rate;  // of the normal [rad/s]
   RowSegment segment[2];
 };

@@ -2,10 +2,8 @@
 
 #include "engine/mobility.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "engine/motion.h"
+#include "engine/softness.h"
 #include "engine/tree_sets.h"
 
 namespace mujoco_impact::engine {
@@ -22,43 +20,6 @@ void CopyRow(const mjModel* m, const mjData* d, int i, mjtNum* row) {
   for (int a = d->efc_J_rowadr[i]; a < d->efc_J_rowadr[i] + d->efc_J_rownnz[i]; ++a) {
     row[d->efc_J_colind[a]] = d->efc_J[a];
   }
-}
-
-// How soft a tie is: R, and a_ref = −damping (J v) − stiffness (pos − margin).
-struct Softness {
-  mjtNum regularization, stiffness, damping;
-};
-
-// The impedance d by solimp, at the violation of the constraint.
-mjtNum Impedance(const mjtNum* solimp, mjtNum violation) {
-  const mjtNum x = std::min<mjtNum>(1, std::abs(violation) / std::max(mjMINVAL, solimp[2]));
-  const mjtNum midpoint = solimp[3], power = solimp[4];
-  // y = x^p / m^(p−1) up to the midpoint m, and the same turned by half a circle above
-  const mjtNum y = x <= midpoint ? std::pow(x, power) / std::pow(midpoint, power - 1)
-                                 : 1 - std::pow(1 - x, power) / std::pow(1 - midpoint, power - 1);
-  return std::clamp<mjtNum>(solimp[0] + y * (solimp[1] - solimp[0]), mjMINIMP, mjMAXIMP);
-}
-
-// The integrator `discrete` makes them only after the passive forces.
-Softness SoftnessBySolver(const mjModel* m, const mjData* d, int i, mjtNum A) {
-  const mjtNum* solimp = m->eq_solimp + mjNIMP * d->efc_id[i];
-  const mjtNum* solref = m->eq_solref + mjNREF * d->efc_id[i];
-  const mjtNum impedance = Impedance(solimp, d->efc_pos[i] - d->efc_margin[i]);
-  const mjtNum most = std::clamp<mjtNum>(solimp[1], mjMINIMP, mjMAXIMP);
-  // no smaller for a row without effect, of which A_ii = 0
-  const mjtNum regularization = (1 - impedance) / impedance * std::max(A, mjMINVAL);
-  if (solref[0] <= 0) {
-    return {regularization, -solref[0] / (most * most) * impedance, -solref[1] / most};
-  }
-  const mjtNum time = std::max(solref[0], 2 * m->opt.timestep), ratio = solref[1];
-  return {regularization, impedance / (most * most * time * time * ratio * ratio),
-          2 / (most * time)};
-}
-
-Softness SoftnessOf(const mjModel* m, const mjData* d, int i, mjtNum A) {
-  if (m->opt.integrator == mjINT_DISCRETE) return SoftnessBySolver(m, d, i, A);
-  const mjtNum* KBI = d->efc_KBIP + 4 * i;
-  return {d->efc_R[i], KBI[0] * KBI[2], KBI[1]};
 }
 
 size_t TieBytes(const mjModel* m, int ties) {
@@ -90,13 +51,9 @@ Mobility::Mobility(const mjModel* m, mjData* d, Scratch& scratch) : m_(m), d_(d)
   }
   // A + R
   mju_mulMatMatT(factor_, rows_, answer_, ties_, nv, ties_);
-  for (int i = 0; i < ties_; ++i) {
-    mjtNum& A = factor_[i * (ties_ + 1)];
-    const Softness softness = SoftnessOf(m, d, i, A);
-    reference_[i] = -softness.damping * mju_dot(rows_ + i * nv, d->qvel, nv) -
-                    softness.stiffness * (d->efc_pos[i] - d->efc_margin[i]);
-    A += softness.regularization;
-  }
+  MakeReferences(m, d, factor_);
+  for (int i = 0; i < ties_; ++i) factor_[i * (ties_ + 1)] += d->efc_R[i];
+  mju_copy(reference_, d->efc_aref, ties_);
   mju_cholFactor(factor_, ties_, mjMINVAL);
   FindGroups(scratch);
 }

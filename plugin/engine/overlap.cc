@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/contact_stiffness.h"
 #include "law/waveform.h"
 
 namespace mujoco_impact::engine {
@@ -38,13 +37,13 @@ mjtNum TwiceIntegrated(const IslandProblem& problem, int k, mjtNum t, mjtNum res
 
 // The depth M while pulses last. Where impulses come at once the solver leaves alone what parts
 // (silence.h), so more may show.
-mjtNum DepthOf(const mjModel* m, const ContactRow& row, bool at_once) {
+mjtNum DepthOf(const ContactRow& row, bool at_once) {
   const mjtNum depth = -row.contact->includemargin;
-  return at_once ? std::max(depth, kShown / ContactCurvature(m, *row.contact)) : depth;
+  return at_once ? std::max(depth, kShown / row.curvature) : depth;
 }
 
 // λ at time t, `integral` ∫∫ F_k by then.
-mjtNum LessAt(const mjModel* m, const IslandSystem& system, const IslandProblem& problem, mjtNum t,
+mjtNum LessAt(const IslandSystem& system, const IslandProblem& problem, mjtNum t,
               const mjtNum* integral, bool at_once) {
   mjtNum* displacement = problem.work.numbers + problem.size;
   law::Multiply(system.delassus, integral, displacement);
@@ -53,20 +52,19 @@ mjtNum LessAt(const mjModel* m, const IslandSystem& system, const IslandProblem&
     if (problem.impulse[k] <= 0) continue;
     // y = c t − g − W ∫∫ F
     const mjtNum overlap = problem.closing_speed[k] * t - problem.gap[k] - displacement[k];
-    const mjtNum room = RoomOf(system.row[k], DepthOf(m, system.row[k], at_once));
+    const mjtNum room = RoomOf(system.row[k], DepthOf(system.row[k], at_once));
     if (overlap > room) less = std::min(less, room / overlap);
   }
   return less;
 }
 
 // λ at time t, all impulses delivered with their moments.
-mjtNum LessOfMoments(const mjModel* m, const IslandSystem& system, const IslandProblem& problem,
-                     mjtNum t) {
+mjtNum LessOfMoments(const IslandSystem& system, const IslandProblem& problem, mjtNum t) {
   mjtNum* integral = problem.work.numbers;
   for (int k = 0; k < problem.size; ++k) {
     integral[k] = problem.impulse[k] * t - problem.moment[k];
   }
-  return LessAt(m, system, problem, t, integral, true);
+  return LessAt(system, problem, t, integral, true);
 }
 
 }  // namespace
@@ -79,12 +77,12 @@ mjtNum EndOf(const IslandProblem& problem) {
   return end;
 }
 
-mjtNum CompressLess(const mjModel* m, const IslandSystem& system, const IslandProblem& problem) {
+mjtNum CompressLess(const IslandSystem& system, const IslandProblem& problem) {
   mjtNum less = 1;
   for (int k = 0; k < problem.size; ++k) {
     const mjtNum P = problem.impulse[k], W = problem.duration[k];
     if (P <= 0) continue;
-    const mjtNum deepest = kOfRadius / ContactCurvature(m, *system.row[k].contact);
+    const mjtNum deepest = kOfRadius / system.row[k].curvature;
     // a push that is rounding has a peak without meaning, but stops no more than P W_kk
     const mjtNum bound = P * system.delassus.diagonal[k] * W;
     if (bound <= deepest) continue;
@@ -94,8 +92,7 @@ mjtNum CompressLess(const mjModel* m, const IslandSystem& system, const IslandPr
   return less;
 }
 
-mjtNum OverlapLess(const mjModel* m, const Config& config, const IslandSystem& system,
-                   const IslandProblem& problem) {
+mjtNum OverlapLess(const Config& config, const IslandSystem& system, const IslandProblem& problem) {
   constexpr int kSamples = 8;
   const mjtNum end = EndOf(problem);
   mjtNum* integral = problem.work.numbers;
@@ -105,7 +102,7 @@ mjtNum OverlapLess(const mjModel* m, const Config& config, const IslandSystem& s
     for (int k = 0; k < problem.size; ++k) {
       integral[k] = TwiceIntegrated(problem, k, t, config.waveform_restitution);
     }
-    less = std::min(less, LessAt(m, system, problem, t, integral, false));
+    less = std::min(less, LessAt(system, problem, t, integral, false));
   }
   return less;
 }
@@ -121,13 +118,12 @@ mjtNum TurnLess(const IslandSystem& system, const IslandProblem& problem) {
   return less;
 }
 
-mjtNum DentLess(const mjModel* m, const IslandSystem& system, const IslandProblem& problem) {
-  return LessOfMoments(m, system, problem, EndOf(problem));
+mjtNum DentLess(const IslandSystem& system, const IslandProblem& problem) {
+  return LessOfMoments(system, problem, EndOf(problem));
 }
 
-bool MayComeAtOnce(const mjModel* m, const IslandSystem& system, const IslandProblem& problem,
-                   mjtNum time) {
-  return LessOfMoments(m, system, problem, time) >= 1;
+bool MayComeAtOnce(const IslandSystem& system, const IslandProblem& problem, mjtNum time) {
+  return LessOfMoments(system, problem, time) >= 1;
 }
 
 }  // namespace mujoco_impact::engine

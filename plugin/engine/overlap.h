@@ -21,25 +21,23 @@ namespace mujoco_impact::engine {
 mjtNum EndOf(const IslandProblem& problem);
 
 // For the compressions of the Hertz law, by the peak forces of its solution, H = K y^(3/2).
-mjtNum CompressLess(const mjModel* m, const IslandSystem& system, const IslandProblem& problem);
+mjtNum CompressLess(const IslandSystem& system, const IslandProblem& problem);
 
 // For normals that turn while the pulses last: their impulses act along those of the onset.
 mjtNum TurnLess(const IslandSystem& system, const IslandProblem& problem);
 
 // For what is left of overlaps when the impact is over: contacts that lose energy do not expand as
 // far as they were pressed.
-mjtNum DentLess(const mjModel* m, const IslandSystem& system, const IslandProblem& problem);
+mjtNum DentLess(const IslandSystem& system, const IslandProblem& problem);
 
 // For overlaps while the pulses last, y(t) = c t − g − W ∫∫ F of their waveforms. Two waveforms
 // that press a light body from both sides are not the forces of the contacts, which would follow
 // it.
-mjtNum OverlapLess(const mjModel* m, const Config& config, const IslandSystem& system,
-                   const IslandProblem& problem);
+mjtNum OverlapLess(const Config& config, const IslandSystem& system, const IslandProblem& problem);
 
 // Whether bodies overlap no deeper than that after the `time` left of the step if all impulses are
 // delivered in it: each body is then put on the path that it will have when the impact is over.
-bool MayComeAtOnce(const mjModel* m, const IslandSystem& system, const IslandProblem& problem,
-                   mjtNum time);
+bool MayComeAtOnce(const IslandSystem& system, const IslandProblem& problem, mjtNum time);
 
 }  // namespace mujoco_impact::engine
 

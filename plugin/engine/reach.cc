@@ -29,7 +29,7 @@ mjtNum ReachOfRound(const mjModel* m, const mjData* d, const Config& config, con
     const ContactPath path(m, d, Anchor(m, d, contacts, k), outlook.motion);
     const mjtNum speed = -path.GapRate(contacts.tau[k]);
     if (speed <= 0) continue;
-    const mjtNum contact_time = EstimateContactTime(m, config, *contacts.contact[k], speed);
+    const mjtNum contact_time = EstimateContactTime(m, d, config, *contacts.contact[k], speed);
     const mjtNum time = std::max(flight, law::kSameImpactTimes * contact_time);
     reach = std::max(reach, kFastest * speed * time);
   }
@@ -67,7 +67,7 @@ Islands ReachedPart(const mjModel* m, const mjData* d, const Mobility& mobility,
     fastest = std::max(fastest, speed[i]);
   }
   const int first = position[time.first];
-  const mjtNum room = kOfRadius / ContactCurvature(m, *contacts.contact[first]);
+  const mjtNum room = kOfRadius / ContactCurvature(m, d, *contacts.contact[first]);
   time.longest = room / std::max(kFastest * fastest, mjMINVAL);
   time.flight = std::min(time.flight, time.longest);
   time.horizon = std::min(time.horizon, time.longest);

@@ -17,12 +17,6 @@ inline void SpatialCross(const mjtNum v[6], const mjtNum axis[6], mjtNum result[
   Store(Cross(turning, Load(axis + 3)) + Cross(Load(v + 3), rotation), result + 3);
 }
 
-// A translation of a free joint, whose axis is fixed in the world.
-inline bool IsFreeTranslation(const mjModel* m, int dof) {
-  const int joint = m->dof_jntid[dof];
-  return m->jnt_type[joint] == mjJNT_FREE && dof < m->jnt_dofadr[joint] + 3;
-}
-
 inline bool IsFreeRotation(const mjModel* m, int dof) {
   const int joint = m->dof_jntid[dof];
   return m->jnt_type[joint] == mjJNT_FREE && dof >= m->jnt_dofadr[joint] + 3;

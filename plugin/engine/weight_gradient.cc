@@ -62,9 +62,8 @@ class DisplacedTree {
     if (i > 0) mju_copy(moved, displacement_ + 6 * (m_->body_parentid[body] - first_), 6);
     const int begin = m_->body_dofadr[body];
     for (int dof = begin; dof < begin + m_->body_dofnum[body]; ++dof) {
-      // a hinge or slide is carried along by what comes before it
+      // a hinge or slide is carried along by what comes before it: nothing, before a free joint
       if (!TurnsWithBody(m_, dof)) SpatialCross(moved, d_->cdof + 6 * dof, AxisChange(dof));
-      if (IsFreeTranslation(m_, dof)) mju_zero(AxisChange(dof), 6);
       mju_addToScl(moved, d_->cdof + 6 * dof, u[dof], 6);
     }
     for (int dof = begin; dof < begin + m_->body_dofnum[body]; ++dof) {

@@ -232,6 +232,31 @@ TEST(Passivity, TheGainOfPushesThatCancelIsRemoved) {
   }
 }
 
+// The same as an impact of the law: what the pushes of even numbers of bounces do together is the
+// error of the integration: a gain at this tolerance.
+TEST(ImpactLaw, ABallBetweenTwoWallsGainsNothing) {
+  const int row_start[] = {0, 2, 4}, column[] = {0, 1, 0, 1};
+  const double value[] = {5, -5, -5, 5}, diagonal[] = {5, 5};
+  const DelassusMatrix W{2, row_start, column, value, diagonal};
+  const double closing[] = {0.3, -0.3}, stiffness[] = {1e10, 1e10};
+  int even = 0;
+  for (int i = 1; i <= 40; ++i) {
+    const double gap[] = {0, 2e-5};
+    const double horizon = 1e-4 * i;
+    const ImpactProblem problem{W, closing, gap, stiffness, 1, kBi, horizon, horizon, 1e-3};
+    double impulse[2], moment[2], onset[2], after[2];
+    std::vector<double> numbers(ImpactNumbers(2));
+    std::vector<int> indices(ImpactIndices(2));
+    ImpactSolution solution{impulse, moment, onset, after};
+    SolveImpact(problem, true, &solution, {numbers.data(), indices.data()});
+    even += std::abs(impulse[0] - impulse[1]) < 1e-3 * impulse[0];
+    double work[2];
+    // rounding of an energy of 9 mJ
+    EXPECT_LE(KineticEnergyChange(W, closing, impulse, work), 1e-15) << horizon;
+  }
+  EXPECT_GT(even, 5);
+}
+
 TEST(Passivity, PushesThatGainNothingAreLeftAsTheyAre) {
   const RowMatrix matrix({0.1, 0.3, 0.2});
   const double closing[] = {1.0, 0.2};

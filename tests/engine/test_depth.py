@@ -129,3 +129,38 @@ def test_runge_kutta_stages_do_not_wake_mujocos_contacts(speed):
     energy = 0.5 * MASS * np.sum(velocity**2)
     assert energy == pytest.approx(0.5 * MASS * speed**2, rel=1e-12)
     assert velocity.sum() == pytest.approx(speed, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("speed", "young", "timestep", "depth"),
+    [(1.0, 1e5, 1e-5, 3e-4), (20.0, 1e7, 1e-6, 5e-4), (5.0, 1e6, 1e-5, 1e-4)],
+)
+@pytest.mark.parametrize("light", [1.0, 0.2])
+def test_soft_bodies_are_no_stiffer_than_their_depth_asks_for(
+    light, speed, young, timestep, depth
+):
+    """Steps far shorter than the impact show all of the overlap."""
+    steps = round(0.02 / speed / timestep)
+    hard, _, _, _ = shot([MASS, light * MASS, MASS], speed, depth=depth, steps=99)
+    soft, deepest, _, _ = shot(
+        [MASS, light * MASS, MASS], speed, timestep=timestep, young=young, depth=depth,
+        steps=steps,
+    )  # fmt: skip
+    # half of M is 1: as soft as half as much again would be five times too stiff
+    assert 0.2 * depth < deepest <= depth
+    # the outcome of bodies that touch does not depend on how stiff they are
+    np.testing.assert_allclose(soft, hard, atol=1e-5 * speed)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.3, 0.8])
+def test_dents_do_not_grow_with_the_number_of_impacts(restitution):
+    """Soft balls with losses between two heavy ones that press them together."""
+    gap = 2e-4
+    _, deepest, impacts, pushes = shot(
+        [100 * MASS, MASS, MASS, MASS, 100 * MASS], 2.0, timestep=2e-4, young=1e6,
+        restitution=restitution, depth=1e-3, gap=gap, steps=400,
+    )  # fmt: skip
+    assert len(impacts) > 3
+    assert pushes == 0
+    # half of M is 1e-3; two thirds for pulses that follow each other
+    assert deepest <= 1.4e-3

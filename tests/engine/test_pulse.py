@@ -66,8 +66,9 @@ def test_joint_damping_takes_nothing_from_the_impulse(integrator, duration):
         while data.time < 0.5 - 1e-9:
             mujoco.mj_step(model, data)
         swing.append(data.qpos[1])
-    # first-order integrators are h off; without the compensation the loss is 20 h B/m
-    assert swing[0] == pytest.approx(swing[1], rel=2e-2)
+    # the swing itself differs by 6e-4 at most; without the force that makes up for the
+    # damping of the position correction it lacks 1.5e-3 (hertz) and 4.4e-3
+    assert swing[0] == pytest.approx(swing[1], rel=1e-3)
 
 
 @pytest.mark.parametrize("timestep", [1e-4, 1e-3, 5e-3])
