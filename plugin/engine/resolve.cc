@@ -119,7 +119,7 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
     mjtNum less = std::min(CompressLess(system, problem), TurnLess(system, problem));
     if (config.restitution < 1) less = std::min(less, DentLess(system, problem));
     if (InstantRule(config) && less >= 1) {
-      at_once = AreShorter(problem, time.timestep) && MayComeAtOnce(system, problem, time.left());
+      at_once = AreShorter(problem, time.timestep);
       if (!at_once) less = OverlapLess(config, system, problem);
     }
     if (less >= 1) return at_once;
