@@ -1,0 +1,54 @@
+"""Stretches of a run between quiet samples: what an impact takes, it has given back.
+
+A pulse that lasts longer than a step, or a soft contact, stores energy. What it may
+have added is what it has given in all since nothing acted; at no time may that be
+positive, for what is stored is not negative.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+
+import numpy as np
+
+from mujoco_impact.stress.shapes.evidence import Evidence
+
+
+@dataclasses.dataclass(frozen=True)
+class Stretch:
+    """Steps between two quiet samples.
+
+    Attributes:
+        first: Number of the first step.
+        last: Number of the last step.
+        growth: Largest energy that the contacts have added since the first step, over
+            the largest kinetic energy of the run.
+        integration: What MuJoCo's integrator adds to the energy in these steps
+            without contacts, unsigned, over the same.
+        native: Whether MuJoCo's own contacts pushed.
+    """
+
+    first: int
+    last: int
+    growth: float
+    integration: float
+    native: bool
+
+
+def stretches(evidence: Evidence) -> Iterator[Stretch]:
+    """Yields the stretches of a sound run in which a contact of any kind acted."""
+    run, scale = evidence.run, evidence.kinetic
+    quiet = np.flatnonzero(run.quiet)
+    ends = np.unique(np.concatenate([[0], quiet, [len(run.quiet) - 1]]))
+    for first, end in zip(ends[:-1], ends[1:], strict=True):
+        native = bool(run.pushed[first:end].any())
+        if end - first == 1 and not native and not run.struck[first]:
+            continue
+        yield Stretch(
+            first=int(first),
+            last=int(end) - 1,
+            growth=float(np.cumsum(evidence.gained[first:end]).max()) / scale,
+            integration=float(evidence.integration[first:end].sum()) / scale,
+            native=native,
+        )
