@@ -84,6 +84,29 @@ def kept_spin(evidence: Evidence) -> float | None:
     return worst
 
 
+def axis_missed(evidence: Evidence) -> float:
+    """Returns by how much lines of contact miss axes of symmetry, over the size.
+
+    As MuJoCo finds the contacts in the samples of the run, the largest.
+    """
+    model, run = evidence.scene.model, evidence.run
+    data = mujoco.MjData(model)
+    worst = 0.0
+    for sample in np.flatnonzero(run.struck | run.pushed):
+        data.qpos[:] = run.qpos[sample]
+        mujoco.mj_fwdPosition(model, data)
+        for body in _free_bodies(evidence):
+            axes = _axes_of_symmetry(model, body)
+            if axes is None:
+                continue
+            for contact in data.contact:
+                if body in model.geom_bodyid[contact.geom]:
+                    arm = np.cross(contact.pos - data.xipos[body], contact.frame[:3])
+                    along = axes @ data.xmat[body].reshape(3, 3).T @ arm
+                    worst = max(worst, float(np.abs(along).max()))
+    return worst / evidence.case.size
+
+
 def _growth(evidence: Evidence, *, native: bool) -> float | None:
     """Returns the largest growth of the stretches with or without MuJoCo's contacts."""
     if not evidence.run.is_sound:

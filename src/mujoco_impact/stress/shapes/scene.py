@@ -14,6 +14,9 @@ from mujoco_impact.stress.shapes.case import Case
 from mujoco_impact.stress.shapes.floor import Floor, floor_mjcf, floor_of
 from mujoco_impact.trajectory import Array
 
+AIM = 0.15
+"""How far off the mark trees go, over their speed."""
+
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Scene:
@@ -111,7 +114,7 @@ def _velocity(
         if floor is not None and random.random() < 0.7:
             towards = -floor.normal
         length = float(np.linalg.norm(towards))
-        towards = (towards / length if length > 0 else 0.0) + 0.3 * direction(random)
+        towards = (towards / length if length > 0 else 0.0) + AIM * direction(random)
         for link in range(tree.links):
             body = model.body(f"body{tree.number}_{link}")
             first, count = int(body.jntadr[0]), int(body.jntnum[0])
