@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from mujoco_impact.stress.promises import Limit
 from mujoco_impact.stress.shapes.evidence import Evidence
 from mujoco_impact.stress.shapes.invariants import GROWTH, axis_missed, kept_spin
@@ -16,12 +18,12 @@ def _diverges_alone(evidence: Evidence) -> bool:
     return bool(evidence.run.warnings) and bool(evidence.alone.warnings)
 
 
-def _is_integration(evidence: Evidence) -> bool:
+def _is_integration(evidence: Evidence, *, native: bool) -> bool:
     """Whether the integrator itself changes energy as much, wherever it grows."""
     return all(
         stretch.growth <= stretch.integration
         for stretch in stretches(evidence)
-        if not stretch.native and stretch.growth > GROWTH
+        if stretch.native == native and stretch.growth > GROWTH
     )
 
 
@@ -40,11 +42,19 @@ LIMITS = (
         ours_only=False,
     ),
     Limit(
-        "integration",
+        "integrator",
         "MuJoCo's integrator changes the energy in the same steps without the impacts "
         "by as much as it grows",
         frozenset({"impact energy"}),
-        _is_integration,
+        partial(_is_integration, native=False),
+    ),
+    Limit(
+        "integrator at rest",
+        "the same while MuJoCo's contacts push: a body that rests does not lose what "
+        "Euler's step takes from one that falls",
+        frozenset({"contact energy"}),
+        partial(_is_integration, native=True),
+        ours_only=False,
     ),
     Limit(
         "narrow phase",
