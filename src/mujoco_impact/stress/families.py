@@ -44,6 +44,8 @@ sees in a step. The plugin is attached with its default arguments and the restit
     evidence_of=shapes.Evidence,
     invariants=shapes.INVARIANTS,
     limits=shapes.LIMITS,
+    story=shapes.story,
+    simplifications=shapes.simplifications,
 )
 
 FAMILIES = {family.name: family for family in (BALLS, SHAPES)}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, Protocol
 
 from mujoco_impact.stress.promises import Invariant, Limit, Runs
@@ -20,6 +20,10 @@ class AnyCase(Protocol):
         """Returns the case in one line."""
 
 
+def _nothing(_of: Any) -> tuple[()]:
+    return ()
+
+
 @dataclasses.dataclass(frozen=True)
 class Family:
     """A kind of random scenes.
@@ -32,6 +36,8 @@ class Family:
         evidence_of: Returns the runs of a case under a method.
         invariants: What must hold.
         limits: What excuses a case.
+        story: Returns what happened in a case, in lines.
+        simplifications: Returns ways of making a case simpler.
     """
 
     name: str
@@ -41,3 +47,5 @@ class Family:
     evidence_of: Callable[[Any, str], Runs]
     invariants: tuple[Invariant, ...]
     limits: tuple[Limit, ...]
+    story: Callable[[Any], Iterable[str]] = _nothing
+    simplifications: Callable[[Any], Iterable[Callable[[Any], Any]]] = _nothing

@@ -1,4 +1,4 @@
-"""What must hold in every case of balls: one function per invariant, with its bound and reason.
+"""What must hold in every case of balls: one function per invariant, bound and reason.
 
 A function returns how far an invariant is from holding, a number >= 0 that the bound is
 for, or None where it says nothing about the case.

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from mujoco_impact.stress.evidence import Evidence
-from mujoco_impact.stress.methods import FASTEST, OURS, depth_of
+from mujoco_impact.stress.methods import FASTEST, depth_of
 from mujoco_impact.stress.promises import Limit, first_limit
 from mujoco_impact.stress.scene import ARM
 

@@ -189,7 +189,9 @@ def _limits(family: Family, summary: Summary) -> str:
             for tally in summary.tallies
             if tally.method == OURS
         )
-        touched = ", ".join(i.name for i in family.invariants if i.name in limit.invariants)
+        touched = ", ".join(
+            i.name for i in family.invariants if i.name in limit.invariants
+        )
         rows.append((limit.name, limit.meaning, touched, str(count)))
     return (
         "### Outside of the limits\n\nWhat a scene does outside of the documented "

@@ -1,4 +1,4 @@
-"""Stepping a model, and what is seen while it runs: the same for every kind of scene."""
+"""Stepping a model, and what is seen while it runs: the same for every family."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import time
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from mujoco_impact.pulses import PulseReader
 from mujoco_impact.runner import collected_warnings
@@ -23,7 +24,7 @@ class Observation:
         qvel: In each sample, shape (n_samples, nv).
         quiet: Whether no contact force acts between a sample and its neighbours:
             every pulse is delivered and no contact is MuJoCo's, shape (n_samples,).
-        struck: Whether an impact began in a step, shape (n_samples - 1,).
+        begun: How many of `impacts` began in a step, shape (n_samples - 1,).
         pushed: Whether MuJoCo's own contacts pushed in a step, shape (n_samples - 1,).
         limited: Whether a joint limit held something.
         impacts: The impacts of the plugin.
@@ -36,15 +37,20 @@ class Observation:
 
     qpos: Array
     qvel: Array
-    quiet: Array
-    struck: Array
-    pushed: Array
+    quiet: npt.NDArray[np.bool_]
+    begun: npt.NDArray[np.int64]
+    pushed: npt.NDArray[np.bool_]
     limited: bool
     impacts: tuple[Impact, ...]
     missed: int
     warnings: tuple[str, ...]
     bits: bytes
     seconds: Array
+
+    @property
+    def struck(self) -> npt.NDArray[np.bool_]:
+        """Whether an impact began in a step, shape (n_samples - 1,)."""
+        return self.begun > 0
 
     @property
     def native(self) -> bool:
@@ -70,7 +76,7 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
     data.ctrl[:] = 1.0
     qpos_of, qvel_of = np.zeros((steps + 1, model.nq)), np.zeros((steps + 1, model.nv))
     busy = np.zeros(steps + 1, dtype=bool)
-    struck, pushed = np.zeros(steps, dtype=bool), np.zeros(steps, dtype=bool)
+    begun, pushed = np.zeros(steps, dtype=np.int64), np.zeros(steps, dtype=bool)
     seconds = np.zeros(steps)
     pulses = PulseReader(model, data)
     until = -np.inf
@@ -86,7 +92,7 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
             limited = limited or _is_limiting(data)
             pushed[step] = _is_pushing(data)
             pulses.poll()
-            struck[step] = len(pulses.impacts) > seen
+            begun[step] = len(pulses.impacts) - seen
             for impact in pulses.impacts[seen:]:
                 until = max(until, impact.time + impact.duration)
             seen = len(pulses.impacts)
@@ -99,7 +105,7 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
         qpos=qpos_of,
         qvel=qvel_of,
         quiet=~busy,
-        struck=struck,
+        begun=begun,
         pushed=pushed,
         limited=limited,
         impacts=tuple(pulses.impacts),

@@ -1,4 +1,4 @@
-"""What a promise and a limit are, and the promises that hold for every kind of scene."""
+"""What a promise and a limit are, and the promises that every family makes."""
 
 from __future__ import annotations
 

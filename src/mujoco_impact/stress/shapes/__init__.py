@@ -1,7 +1,8 @@
 """Random scenes of every shape: the second family of the stress run.
 
 A `Case` is drawn from its seed, `scene_of` builds it, `Evidence` runs it, and
-`INVARIANTS` judge what it shows.
+`INVARIANTS` judge what it shows. `scene_of(case).spec` is the scene as a specification,
+with the plugin and the keyframe "start".
 """
 
 from __future__ import annotations
@@ -12,7 +13,8 @@ from mujoco_impact.stress.shapes.evidence import Evidence
 from mujoco_impact.stress.shapes.invariants import INVARIANTS
 from mujoco_impact.stress.shapes.limits import LIMITS
 from mujoco_impact.stress.shapes.scene import scene_of
-from mujoco_impact.stress.shapes.shrink import shrunk
+from mujoco_impact.stress.shapes.simpler import simplifications
+from mujoco_impact.stress.shapes.story import story
 
 __all__ = [
     "INVARIANTS",
@@ -22,5 +24,6 @@ __all__ = [
     "Tree",
     "case_of",
     "scene_of",
-    "shrunk",
+    "simplifications",
+    "story",
 ]

@@ -53,7 +53,10 @@ def tree_of(case: Case, tree: Tree) -> Built:
     random = np.random.default_rng((case.seed, 1, tree.number))
     density = case.density * case.mass_ratio ** random.random()
     along = direction(random)
-    texts, assets, centres, reaches = [], "", [], []
+    texts: list[str] = []
+    centres: list[Array] = []
+    reaches: list[float] = []
+    assets = ""
     position = np.zeros(3)
     for link in range(tree.links):
         text, meshes, reach = _geoms(case, tree, link, density, random)

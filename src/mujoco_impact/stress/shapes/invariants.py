@@ -9,7 +9,6 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from mujoco_impact.stress.methods import OURS
 from mujoco_impact.stress.promises import FINITE, NO_PULL, SAME_BITS, Invariant
 from mujoco_impact.stress.shapes.evidence import Evidence
 from mujoco_impact.stress.shapes.stretches import stretches
@@ -63,10 +62,15 @@ def momentum(evidence: Evidence) -> float | None:
 def kept_spin(evidence: Evidence) -> float | None:
     """Largest change of a spin about an axis of symmetry in a step by its impacts.
 
-    Over the fastest turn, or speed over half-width. Contacts of MuJoCo have friction.
+    Over the fastest turn, or speed over half-width. Contacts of MuJoCo have friction
+    unless their dimension is 1.
     """
     run, model = evidence.run, evidence.scene.apart
-    steps = ~run.pushed if evidence.case.condim > 1 else np.ones_like(run.pushed)
+    steps = (
+        np.logical_not(run.pushed)
+        if evidence.case.condim > 1
+        else np.ones_like(run.pushed)
+    )
     if not run.is_sound or not steps.any():
         return None
     worst: float | None = None

@@ -43,18 +43,16 @@ def _contacts(evidence: Evidence, stretch: Stretch) -> Iterator[str]:
     for contact in data.contact:
         names = " on ".join(_geom(model, int(geom)) for geom in contact.geom)
         yield f"contact {names}: distance {contact.dist:.3g} m"
+    until = np.concatenate([[0], np.cumsum(evidence.run.begun)])
     begin = stretch.first * case.timestep
-    end = (stretch.last + 1) * case.timestep
-    for impact in evidence.run.impacts:
-        if begin <= impact.time < end:
-            names = " on ".join(
-                _geom(model, int(model.geom(name).id)) for name in impact.geoms
-            )
-            yield (
-                f"impact {names}: {impact.impulse:.3g} N s within "
-                f"{impact.duration:.2g} s, {(impact.time - begin) / case.timestep:.3f} "
-                "steps after the first"
-            )
+    for impact in evidence.run.impacts[until[stretch.first] : until[stretch.last + 1]]:
+        names = " on ".join(
+            _geom(model, int(model.geom(name).id)) for name in impact.geoms
+        )
+        yield (
+            f"impact {names}: {impact.impulse:.3g} N s within {impact.duration:.2g} s, "
+            f"after {(impact.time - begin) / case.timestep:.3f} steps"
+        )
     change = np.array2string(
         evidence.run.qvel[stretch.last + 1] - evidence.run.qvel[stretch.first],
         precision=3,

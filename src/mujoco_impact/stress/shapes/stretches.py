@@ -8,6 +8,7 @@ positive, for what is stored is not negative.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Iterator
 
 import numpy as np
@@ -24,8 +25,8 @@ class Stretch:
         last: Number of the last step.
         growth: Largest energy that the contacts have added since the first step, over
             the largest kinetic energy of the run.
-        integration: What MuJoCo's integrator adds to the energy in these steps
-            without contacts, unsigned, over the same.
+        integration: What MuJoCo's integrator adds to the energy in these steps, and
+            in the one after them, without contacts, unsigned, over the same.
         native: Whether MuJoCo's own contacts pushed.
     """
 
@@ -41,14 +42,17 @@ def stretches(evidence: Evidence) -> Iterator[Stretch]:
     run, scale = evidence.run, evidence.kinetic
     quiet = np.flatnonzero(run.quiet)
     ends = np.unique(np.concatenate([[0], quiet, [len(run.quiet) - 1]]))
-    for first, end in zip(ends[:-1], ends[1:], strict=True):
+    for first, end in itertools.pairwise(ends):
         native = bool(run.pushed[first:end].any())
-        if end - first == 1 and not native and not run.struck[first]:
+        gained = evidence.gained[first:end]
+        # an impact without a record is seen by what it does
+        if not (native or run.struck[first:end].any() or gained.any()):
             continue
         yield Stretch(
             first=int(first),
             last=int(end) - 1,
-            growth=float(np.cumsum(evidence.gained[first:end]).max()) / scale,
-            integration=float(evidence.integration[first:end].sum()) / scale,
+            growth=float(np.cumsum(gained).max()) / scale,
+            # with the step after: an impact that turns a body in mid-step
+            integration=float(evidence.integration[first : end + 1].sum()) / scale,
             native=native,
         )
