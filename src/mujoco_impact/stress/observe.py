@@ -13,6 +13,9 @@ from mujoco_impact.pulses import PulseReader
 from mujoco_impact.runner import collected_warnings
 from mujoco_impact.trajectory import Array, Impact
 
+_CONTACTS = int(mujoco.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS)
+"""First of the types of contact rows, which are the last of all types."""
+
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Observation:
@@ -117,11 +120,9 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
 
 
 def _is_pushing(data: mujoco.MjData) -> bool:
-    """Whether a contact of MuJoCo exerts a force."""
-    if not data.nefc:
-        return False
-    address = data.contact.efc_address
-    return bool(np.any(data.efc_force[address[address >= 0]]))
+    """Whether a contact of MuJoCo exerts a force, normal or of friction."""
+    contacts = data.efc_type >= _CONTACTS
+    return bool(np.any(data.efc_force[contacts]))
 
 
 def _is_limiting(data: mujoco.MjData) -> bool:
