@@ -14,11 +14,14 @@ from mujoco_impact.stress.shapes.case import SHAPES as GEOMS
 
 BY_NAME = {invariant.name: invariant for invariant in SHAPES.invariants}
 
+SEEDS = range(100, 160)
+
 BROKEN = {
-    "finite": "Runge-Kutta with elliptic cones opens friction rows",
-    "impact energy": "points and normals are those of the start of the step",
-    "contact energy": "a geom deeper than the depth M is pushed out by MuJoCo",
-    "spin": "points and normals are those of the start of the step",
+    "finite": "a contact made to look open in Runge-Kutta's stages has friction rows: "
+    "with an elliptic cone they blow up",
+    "impact energy": "inertia, rows and forces that depend on velocities are those of "
+    "the start of the step in which an impact comes",
+    "spin": "the contact point of an ellipsoid is that of the start of the step",
 }
 """Promises that the engine does not keep yet, by why."""
 
@@ -47,7 +50,7 @@ BALL = Case(
 
 @pytest.fixture(scope="module")
 def outcomes():
-    return sweep(range(60), family=SHAPES, methods=(OURS,))
+    return sweep(SEEDS, family=SHAPES, methods=(OURS,))
 
 
 @pytest.mark.parametrize(
@@ -87,7 +90,7 @@ def test_the_sample_is_worth_judging(outcomes):
 
 
 def test_a_seed_gives_the_same_verdicts_again(outcomes):
-    assert sweep(range(6), family=SHAPES, methods=(OURS,)) == outcomes[:6]
+    assert sweep(SEEDS[:6], family=SHAPES, methods=(OURS,)) == outcomes[:6]
 
 
 # --- the measures
