@@ -102,8 +102,8 @@ def _machine(summary: Summary, elapsed: float) -> str:
     if summary.slowdown is not None:
         ratio, seed = summary.slowdown
         slowest = (
-            f"Our slowest step took {ratio:.0f} times as long as MuJoCo's usual one in "
-            f"the same scene (seed {seed}). "
+            f"Our slowest step took {ratio:.0f} times the processor time of MuJoCo's "
+            f"usual one in the same scene (seed {seed}). "
         )
     return (
         f"{summary.cases} scenes, {summary.struck} with an impact, "

@@ -51,8 +51,8 @@ class Summary:
         impacts: Impacts of the plugin in all.
         failures: Errors by seed.
         tallies: Per method and invariant.
-        slowdown: Largest wall time of a step of ours over that of MuJoCo's usual step
-            in the same scene, and the seed of that scene; None unless both ran.
+        slowdown: Largest processor time of a step of ours over that of MuJoCo's usual
+            step in the same scene, and the seed of that scene; None unless both ran.
     """
 
     cases: int

@@ -50,8 +50,8 @@ class Outcome:
         verdicts: One per invariant that says something, and method.
         impacts: Impacts of the plugin.
         failure: The error that stopped the case, "" if none.
-        slowdown: Wall time of our slowest step over that of MuJoCo's usual one in the
-            same scene; None unless both ran. A figure, not a verdict.
+        slowdown: Processor time of our slowest step over that of MuJoCo's usual one in
+            the same scene; None unless both ran. A figure, not a verdict.
     """
 
     case: AnyCase
@@ -157,10 +157,10 @@ def _verdicts(seed: int, evidence: Runs, family: Family) -> Iterator[Verdict]:
 
 
 def _slowdown(seen: dict[str, Runs]) -> float | None:
-    """Returns the wall time of our slowest step over that of MuJoCo's median one."""
+    """Returns the processor time of our slowest step over that of MuJoCo's median one."""
     if OURS not in seen or DEFAULTS not in seen:
         return None
-    # the faster of two runs: what else the machine does seldom strikes twice
+    # the faster of two runs: an interrupt seldom strikes twice
     ours, usual = (
         np.minimum(seen[method].run.seconds, seen[method].again.seconds)
         for method in (OURS, DEFAULTS)
