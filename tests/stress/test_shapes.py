@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from mujoco_impact.stress import DEFAULTS, OURS, SHAPES, judge, shrunk, sweep
+from mujoco_impact.stress.case import INTEGRATORS
 from mujoco_impact.stress.promises import Invariant
 from mujoco_impact.stress.shapes import Case, Evidence, Tree, case_of, scene_of
-from mujoco_impact.stress.shapes.case import FLOORS, INTEGRATORS, JOINTS
+from mujoco_impact.stress.shapes.case import FLOORS, JOINTS
 from mujoco_impact.stress.shapes.case import SHAPES as GEOMS
 
 BY_NAME = {invariant.name: invariant for invariant in SHAPES.invariants}

@@ -157,7 +157,7 @@ def _verdicts(seed: int, evidence: Runs, family: Family) -> Iterator[Verdict]:
 
 
 def _slowdown(seen: dict[str, Runs]) -> float | None:
-    """Returns the processor time of our slowest step over that of MuJoCo's median one."""
+    """Returns the time of our slowest step over that of MuJoCo's median one."""
     if OURS not in seen or DEFAULTS not in seen:
         return None
     # the faster of two runs: an interrupt seldom strikes twice

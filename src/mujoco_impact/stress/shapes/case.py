@@ -12,8 +12,6 @@ JOINTS = ("free", "slides", "slide", "planar", "hinge", "ball", "chain", "free c
 """How a tree moves: freely, along three axes, along one, in a plane, about an axis,
 about a point, as links on hinges that hang on the world, or that fly."""
 
-INTEGRATORS = ("Euler", "implicit", "implicitfast", "discrete", "RK4")
-
 
 @dataclasses.dataclass(frozen=True)
 class Tree:
@@ -50,7 +48,7 @@ class Case:
         condim: Of every geom.
         cone: Of MuJoCo's friction: "pyramidal" or "elliptic".
         jacobian: "dense" or "sparse".
-        integrator: One of `INTEGRATORS`.
+        integrator: Of `mujoco_impact.stress.case.INTEGRATORS`.
         timestep: [s].
         pace: Way of the fastest point in a step, over the gap of the owned geoms.
         spin: Usual surface speed of turning over that of moving.

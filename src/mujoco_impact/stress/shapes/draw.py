@@ -4,15 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from mujoco_impact.stress.case import INTEGRATORS
 from mujoco_impact.stress.draw import logarithmic
-from mujoco_impact.stress.shapes.case import (
-    FLOORS,
-    INTEGRATORS,
-    JOINTS,
-    SHAPES,
-    Case,
-    Tree,
-)
+from mujoco_impact.stress.shapes.case import FLOORS, JOINTS, SHAPES, Case, Tree
 
 TIMESTEP = (5e-4, 5e-3)  # [s]
 SIZE = (1e-2, 3e-1)  # [m]

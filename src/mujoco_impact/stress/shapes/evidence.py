@@ -83,6 +83,13 @@ class Evidence:
         return gained
 
     @cached_property
+    def integration(self) -> Array:
+        """Energy that a step adds without contacts, unsigned [J], shape (steps,)."""
+        change = np.diff(self.energy.sum(axis=1)) - self.gained
+        result: Array = np.abs(change)
+        return result
+
+    @cached_property
     def height(self) -> Array | None:
         """How high the centres of geoms are above the floor, over half of their width.
 
@@ -117,32 +124,3 @@ class Evidence:
             mujoco.mj_forward(model, data)
             path[sample] += model.opt.timestep / 2 * data.qacc
         return energies(model, qpos, path)
-
-    def integration(self, first: int, end: int) -> float:
-        """Returns the energy that steps of the run get wrong without contacts [J].
-
-        What each adds to the state at its start, unsigned, and for the semi-implicit
-        integrators ½ h² aᵀ M a of the state at its end, with a that part of the
-        acceleration that depends on velocities: a step along the tangent of a turn.
-
-        Args:
-            first: Number of the first step.
-            end: Number of the step after the last.
-        """
-        steps = slice(first, end)
-        change = np.diff(self.energy.sum(axis=1))[steps] - self.gained[steps]
-        error = float(np.abs(change).sum())
-        model, run = self.scene.apart, self.run
-        if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
-            return error
-        data, momentum = mujoco.MjData(model), np.zeros(model.nv)
-        for sample in range(first + 1, min(end, self.case.steps) + 1):
-            data.qpos[:] = run.qpos[sample]
-            turning = np.zeros(model.nv)
-            for sign, velocity in ((1, run.qvel[sample]), (-1, 0.0)):
-                data.qvel[:] = velocity
-                mujoco.mj_forward(model, data)
-                turning += sign * data.qacc
-            mujoco.mj_mulM(model, data, momentum, turning)
-            error += float(model.opt.timestep**2 / 2 * (turning @ momentum))
-        return error

@@ -9,6 +9,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from mujoco_impact.stress.methods import OURS
 from mujoco_impact.stress.promises import FINITE, NO_PULL, SAME_BITS, Invariant
 from mujoco_impact.stress.shapes.evidence import Evidence
 from mujoco_impact.stress.shapes.stretches import stretches
@@ -62,15 +63,16 @@ def momentum(evidence: Evidence) -> float | None:
 def kept_spin(evidence: Evidence) -> float | None:
     """Largest change of a spin about an axis of symmetry in a step by its impacts.
 
-    Over the fastest turn, or speed over half-width. Contacts of MuJoCo have friction
-    unless their dimension is 1.
+    Over the fastest turn, or speed over half-width. MuJoCo's contacts have friction
+    unless their dimension is 1: ours are judged in steps in which none of those pushes,
+    theirs not at all, for between the stages of Runge-Kutta they may push unseen.
     """
     run, model = evidence.run, evidence.scene.apart
-    steps = (
-        np.logical_not(run.pushed)
-        if evidence.case.condim > 1
-        else np.ones_like(run.pushed)
-    )
+    steps = np.logical_not(run.pushed)
+    if evidence.case.condim == 1:
+        steps[:] = True
+    elif evidence.method != OURS:
+        return None
     if not run.is_sound or not steps.any():
         return None
     worst: float | None = None

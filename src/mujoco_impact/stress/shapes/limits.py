@@ -7,7 +7,7 @@ from functools import partial
 from mujoco_impact.stress.promises import Limit
 from mujoco_impact.stress.shapes.evidence import Evidence
 from mujoco_impact.stress.shapes.invariants import GROWTH, axis_missed, kept_spin
-from mujoco_impact.stress.shapes.stretches import integration, stretches
+from mujoco_impact.stress.shapes.stretches import stretches
 
 LEVER = 10.0
 """Change of spin that an arm explains, over the arm: (1 + e) m u a = 2/5 m r² ω, and as
@@ -21,7 +21,7 @@ def _diverges_alone(evidence: Evidence) -> bool:
 def _is_integration(evidence: Evidence, *, native: bool) -> bool:
     """Whether the integrator itself changes energy as much, wherever it grows."""
     return all(
-        stretch.growth <= integration(evidence, stretch)
+        stretch.growth <= stretch.integration
         for stretch in stretches(evidence)
         if stretch.native == native and stretch.growth > GROWTH
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from mujoco_impact.stress.shapes.evidence import Evidence
 from mujoco_impact.stress.shapes.invariants import GROWTH
-from mujoco_impact.stress.shapes.stretches import Stretch, integration, stretches
+from mujoco_impact.stress.shapes.stretches import Stretch, stretches
 
 WORST = 3
 """How many stretches are told."""
@@ -27,8 +27,7 @@ def story(evidence: Evidence) -> Iterator[str]:
             return
         yield (
             f"energy +{stretch.growth:.2g} in the steps {stretch.first} to "
-            f"{stretch.last} "
-            f"(+-{integration(evidence, stretch):.2g} by the integrator)"
+            f"{stretch.last} (+-{stretch.integration:.2g} by the integrator)"
             + (", MuJoCo's own contacts push" if stretch.native else "")
         )
         yield from (f"  {line}" for line in _contacts(evidence, stretch))

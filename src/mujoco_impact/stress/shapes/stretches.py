@@ -25,12 +25,15 @@ class Stretch:
         last: Number of the last step.
         growth: Largest energy that the contacts have added since the first step, over
             the largest kinetic energy of the run.
+        integration: What MuJoCo's integrator adds to the energy in these steps, and
+            in the one after them, without contacts, unsigned, over the same.
         native: Whether MuJoCo's own contacts pushed.
     """
 
     first: int
     last: int
     growth: float
+    integration: float
     native: bool
 
 
@@ -49,15 +52,7 @@ def stretches(evidence: Evidence) -> Iterator[Stretch]:
             first=int(first),
             last=int(end) - 1,
             growth=float(np.cumsum(gained).max()) / scale,
+            # with the step after, whose speeds the impacts have left
+            integration=float(evidence.integration[first : end + 1].sum()) / scale,
             native=native,
         )
-
-
-def integration(evidence: Evidence, stretch: Stretch) -> float:
-    """Returns what MuJoCo's integrator makes of the energy of a stretch by itself.
-
-    Over the largest kinetic energy of the run; with the step after it, whose speeds
-    the impacts have left.
-    """
-    error = evidence.integration(stretch.first, stretch.last + 2)
-    return error / evidence.kinetic
