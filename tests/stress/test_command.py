@@ -1,5 +1,6 @@
 """`mujoco-impact stress`: random scenes, one seed, a scene of the user's own."""
 
+import dataclasses
 import json
 
 import pytest
@@ -7,8 +8,10 @@ from typer.testing import CliRunner
 
 import mujoco_impact
 from mujoco_impact.cli import app
-from mujoco_impact.stress import OURS, stress_scene
+from mujoco_impact.stress import FAMILIES, OURS, SHAPES, stress_scene
 from mujoco_impact.stress.long_runs import long_runs
+from mujoco_impact.stress.promises import Invariant
+from mujoco_impact.stress.shapes import Evidence, case_of
 
 BALLS = """
 <mujoco model="two">
@@ -43,6 +46,39 @@ def test_a_case_is_shown_by_its_seed():
     assert result.exit_code == 0
     assert "seed 51:" in result.output
     assert f"{OURS:16} same bits" in result.output
+
+
+def test_a_family_leaves_the_others_their_part_of_the_report(tmp_path):
+    report = tmp_path / "stress.md"
+    for family in ("balls", "shapes", "shapes"):
+        result = run("--family", family, "--cases", "3", "--ours-only", "--out",
+                     str(report))  # fmt: skip
+        assert result.exit_code in (0, 1), result.output
+    text = report.read_text(encoding="utf-8")
+    assert text.count("## Random balls\n") == text.count("## Random shapes\n") == 1
+    assert text.index("## Random balls\n") < text.index("## Random shapes\n")
+
+
+def test_a_seed_tells_what_broke_and_the_simplest_that_does(monkeypatch):
+    """With a promise that no bouncing ball keeps."""
+    rest = Invariant("rest", "nothing is struck", 0.0, "a test",
+                     lambda evidence: float(bool(evidence.run.impacts)))  # fmt: skip
+    family = dataclasses.replace(SHAPES, invariants=(rest,))
+    monkeypatch.setitem(FAMILIES, "shapes", family)
+    struck = next(
+        seed for seed in range(20) if Evidence(case_of(seed)).run.impacts
+    )  # fmt: skip
+    result = run("--family", "shapes", "--seed", str(struck), "--shrink")
+    assert result.exit_code == 0, result.output
+    assert f"seed {struck}: [" in result.output
+    assert "VIOLATED" in result.output
+    assert "the simplest found that breaks rest: Case(seed=" in result.output
+
+
+def test_a_family_that_is_unknown_is_refused():
+    result = run("--family", "cubes", "--cases", "1")
+    assert result.exit_code != 0
+    assert "must be one of balls, shapes" in result.output
 
 
 def test_a_scene_is_run_in_many_ways(tmp_path):

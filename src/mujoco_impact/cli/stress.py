@@ -5,14 +5,18 @@ from __future__ import annotations
 import dataclasses
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from mujoco_impact.cli.options import JsonOption, KeyframeOption, SetOption
 from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
 from mujoco_impact.cli.scenes import model_path, parsed_settings, start_keyframe
+from mujoco_impact.errors import ConfigError
 from mujoco_impact.source import read_spec
+
+if TYPE_CHECKING:
+    from mujoco_impact.stress import Family
 
 VIOLATION = 1
 """Exit code when a promise is broken within the documented limits, or a scene is not
@@ -28,11 +32,19 @@ def stress(
             "Without it, random scenes.",
         ),
     ] = None,
+    family: Annotated[
+        str, typer.Option(help="Kind of random scenes: balls or shapes.")
+    ] = "balls",
     cases: Annotated[int, typer.Option(help="Random scenes to judge.")] = 100,
     first: Annotated[int, typer.Option(help="Seed of the first random scene.")] = 0,
     seed: Annotated[
-        int | None, typer.Option(help="Only the random scene of this seed.")
+        int | None,
+        typer.Option(help="Only the random scene of this seed, and what broke in it."),
     ] = None,
+    shrink: Annotated[
+        bool,
+        typer.Option("--shrink", help="With --seed: also the simplest that breaks."),
+    ] = False,
     processes: Annotated[int, typer.Option(help="Scenes to run at a time.")] = 1,
     ours_only: Annotated[
         bool, typer.Option("--ours-only", help="Leave MuJoCo's own contacts out.")
@@ -55,13 +67,24 @@ def stress(
         if model is not None:
             _stress_model(model, duration, keyframe, settings, out, json_file)
         elif seed is not None:
-            _show_case(seed, json_file)
+            _show_case(seed, _family(family), shrink, json_file)
         else:
-            _sweep(range(first, first + cases), processes, ours_only, long, out,
-                   json_file)  # fmt: skip
+            _sweep(_family(family), range(first, first + cases), processes, ours_only,
+                   long, out, json_file)  # fmt: skip
+
+
+def _family(name: str) -> Family:
+    """Returns a family of random scenes by its name."""
+    from mujoco_impact.stress import FAMILIES
+
+    if name not in FAMILIES:
+        msg = f"family = {name!r}: must be one of {', '.join(FAMILIES)}"
+        raise ConfigError(msg)
+    return FAMILIES[name]
 
 
 def _sweep(
+    family: Family,
     seeds: range,
     processes: int,
     ours_only: bool,
@@ -75,7 +98,7 @@ def _sweep(
     from mujoco_impact.stress.long_runs import long_runs
 
     console = console_of(json_file)
-    methods = (stressing.OURS,) if ours_only else stressing.METHODS
+    methods = (stressing.OURS,) if ours_only else family.methods
     begin = time.perf_counter()
     done = 0
     with progress(json_file) as tell:
@@ -90,14 +113,20 @@ def _sweep(
                     console.out(f"  {outcome.case.describe()}")
 
         outcomes = stressing.sweep(
-            seeds, methods=methods, processes=processes, progress=one_more
+            seeds,
+            family=family,
+            methods=methods,
+            processes=processes,
+            progress=one_more,
         )
         elapsed = time.perf_counter() - begin
         runs = long_runs(progress=tell) if long else []
-    summary = stressing.summarise(outcomes)
-    text = markdown.report(summary, runs, elapsed)
+    summary = stressing.summarise(outcomes, family)
+    text = markdown.section(family, summary, runs, elapsed)
     if out is not None:
-        out.write_text(text, encoding="utf-8")
+        # the other families keep what they have in the report
+        report = out.read_text(encoding="utf-8") if out.exists() else ""
+        out.write_text(markdown.update(report, family, text), encoding="utf-8")
         console.out(f"report: {out}")
     else:
         console.out(text)
@@ -110,13 +139,14 @@ def _sweep(
         raise typer.Exit(VIOLATION)
 
 
-def _show_case(seed: int, json_file: str | None) -> None:
+def _show_case(seed: int, family: Family, shrink: bool, json_file: str | None) -> None:
     """Shows one random scene and its verdicts."""
     from mujoco_impact import stress as stressing
 
-    outcome = stressing.judge(stressing.case_of(seed))
+    case = family.case_of(seed)
+    outcome = stressing.judge(case, family=family)
     console = console_of(json_file)
-    console.out(outcome.case.describe())
+    console.out(case.describe())
     if outcome.failure:
         console.out(f"could not be run: {outcome.failure}")
     for verdict in outcome.verdicts:
@@ -124,6 +154,19 @@ def _show_case(seed: int, json_file: str | None) -> None:
         console.out(
             f"{verdict.method:16} {verdict.invariant:16} {verdict.value:10.3g}  {word}"
         )
+    broken = [
+        verdict.invariant
+        for verdict in outcome.verdicts
+        if verdict.is_violation and verdict.method == stressing.OURS
+    ]
+    if broken:
+        for line in family.story(family.evidence_of(case, stressing.OURS)):
+            console.out(line)
+    for invariant in broken if shrink else ():
+        simplest = stressing.shrunk(case, invariant, family)
+        console.out(f"the simplest found that breaks {invariant}: {simplest!r}")
+        for line in family.story(family.evidence_of(simplest, stressing.OURS)):
+            console.out(line)
     write_json(json_file, dataclasses.asdict(outcome))
 
 

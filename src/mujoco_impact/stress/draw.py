@@ -45,36 +45,36 @@ def case_of(seed: int) -> Case:
     if layout == "row":
         joint = str(random.choice(("free", "slides", "rail", "pendulum")))
     dissipation = "viscous" if random.random() < 0.25 else "bistiffness"
-    timestep = _logarithmic(random, *TIMESTEP)
+    timestep = logarithmic(random, *TIMESTEP)
     count = _count(random, layout)
     restitution = _restitution(random, dissipation)
     if count > FEW:
         restitution = max(restitution, LEAST_OF_MANY)
-    duration = _logarithmic(random, *DURATION) if random.random() < 0.4 else None
+    duration = logarithmic(random, *DURATION) if random.random() < 0.4 else None
     return Case(
         seed=seed,
         layout=layout,
         joint=joint,
         count=count,
-        radius=_logarithmic(random, *RADIUS),
+        radius=logarithmic(random, *RADIUS),
         radius_ratio=float(random.choice((1.0, 1.0, random.uniform(1, 4)))),
-        density=_logarithmic(random, *DENSITY),
-        mass_ratio=1.0 if random.random() < 0.3 else _logarithmic(random, *MASS_RATIO),
-        young=_logarithmic(random, *YOUNG),
+        density=logarithmic(random, *DENSITY),
+        mass_ratio=1.0 if random.random() < 0.3 else logarithmic(random, *MASS_RATIO),
+        young=logarithmic(random, *YOUNG),
         restitution=restitution,
         dissipation=dissipation,
         duration=duration,
         timestep=timestep,
         integrator=str(random.choice(INTEGRATORS)),
-        speed=_logarithmic(random, *SPEED),
-        gap=0.0 if random.random() < 0.5 else _logarithmic(random, *GAP),
+        speed=logarithmic(random, *SPEED),
+        gap=0.0 if random.random() < 0.5 else logarithmic(random, *GAP),
         overlap=random.uniform(0, MOST_OVERLAP) if random.random() < 0.08 else 0.0,
         features=_features(random, layout, joint),
         steps=_steps(timestep, duration),
     )
 
 
-def _logarithmic(random: np.random.Generator, low: float, high: float) -> float:
+def logarithmic(random: np.random.Generator, low: float, high: float) -> float:
     """Returns a number whose logarithm is uniform."""
     return float(np.exp(random.uniform(np.log(low), np.log(high))))
 
@@ -84,7 +84,7 @@ def _count(random: np.random.Generator, layout: str) -> int:
     least, most = COUNT
     if layout == "ring":
         least = 3
-    return int(_logarithmic(random, least, most if random.random() < MANY else FEW))
+    return int(logarithmic(random, least, most if random.random() < MANY else FEW))
 
 
 def _restitution(random: np.random.Generator, dissipation: str) -> float:
@@ -97,7 +97,7 @@ def _restitution(random: np.random.Generator, dissipation: str) -> float:
     if kind < 0.8:
         return float(random.uniform(LEAST_VISCOUS, 1.0))
     least = LEAST_VISCOUS if dissipation == "viscous" else RESTITUTION[0]
-    return _logarithmic(random, least, RESTITUTION[1])
+    return logarithmic(random, least, RESTITUTION[1])
 
 
 def _features(random: np.random.Generator, layout: str, joint: str) -> tuple[str, ...]:

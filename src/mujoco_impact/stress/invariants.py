@@ -1,4 +1,4 @@
-"""What must hold in every case: one function per invariant, with its bound and reason.
+"""What must hold in every case of balls: one function per invariant, bound and reason.
 
 A function returns how far an invariant is from holding, a number >= 0 that the bound is
 for, or None where it says nothing about the case.
@@ -6,7 +6,6 @@ for, or None where it says nothing about the case.
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy as np
 from mujoco_impact import law
 from mujoco_impact.stress.evidence import NUDGE, Evidence
 from mujoco_impact.stress.methods import OURS
+from mujoco_impact.stress.promises import FINITE, NO_PULL, SAME_BITS, Invariant
 from mujoco_impact.stress.record import Record
 from mujoco_impact.trajectory import Array
 
@@ -39,35 +39,9 @@ BENT = 0.1
 between its ends."""
 
 
-@dataclasses.dataclass(frozen=True)
-class Invariant:
-    """One promise.
-
-    Attributes:
-        name: Short, for tables.
-        promise: In words.
-        bound: Largest value allowed.
-        reason: Why that bound.
-        value: Returns the value for a case, or None.
-    """
-
-    name: str
-    promise: str
-    bound: float
-    reason: str
-    value: Callable[[Evidence], float | None]
-
-
-def finite(evidence: Evidence) -> float | None:
-    """Counts what is not a number, and MuJoCo's warnings of a diverging state."""
-    run = evidence.run
-    bad = sum(int(np.sum(~np.isfinite(x))) for x in (run.position, run.velocity))
-    return float(bad + len(run.warnings))
-
-
 def momentum(evidence: Evidence) -> float | None:
     """Largest change of momentum of balls that only impacts act on."""
-    if not evidence.case.is_free or not is_sound(evidence.run):
+    if not evidence.case.is_free or not evidence.run.is_sound:
         return None
     run = evidence.run
     mass = run.balls.mass
@@ -81,7 +55,7 @@ def energy_growth(evidence: Evidence) -> float | None:
 
     A soft contact of MuJoCo may only store it: there every sample counts.
     """
-    if not evidence.case.is_free or not is_sound(evidence.run):
+    if not evidence.case.is_free or not evidence.run.is_sound:
         return None
     kinetic = _kinetic(evidence.run)
     quiet = kinetic[evidence.run.quiet] if evidence.method == OURS else kinetic
@@ -93,7 +67,7 @@ def energy_growth(evidence: Evidence) -> float | None:
 def energy_drift(evidence: Evidence) -> float | None:
     """Drift of an elastic scene beyond that without contacts, per impact."""
     case, run = evidence.case, evidence.run
-    if not (case.is_elastic and case.is_conservative and is_sound(run)):
+    if not (case.is_elastic and case.is_conservative and run.is_sound):
         return None
     if run.quiet.sum() < 2:
         return None
@@ -105,14 +79,6 @@ def energy_drift(evidence: Evidence) -> float | None:
     return max(0.0, drift) / max(1, len(run.impacts) + run.missed)
 
 
-def impulse_sign(evidence: Evidence) -> float | None:
-    """Largest pull, over the largest push."""
-    impulses = [impact.impulse for impact in evidence.run.impacts]
-    if not impulses:
-        return None
-    return max(0.0, -min(impulses)) / max(max(impulses), 1e-300)
-
-
 def passing_through(evidence: Evidence) -> float | None:
     """Deepest overlap of two balls beyond that of the start, over the sum of radii.
 
@@ -122,7 +88,7 @@ def passing_through(evidence: Evidence) -> float | None:
     keep their order: 1 if they do not.
     """
     run = evidence.run
-    if not is_sound(run):
+    if not run.is_sound:
         return None
     first, second = np.triu_indices(len(run.balls.mass), 1)
     if len(first) == 0:
@@ -177,11 +143,6 @@ def pulse_length(evidence: Evidence) -> float | None:
     return longest / case.count
 
 
-def same_bits(evidence: Evidence) -> float | None:
-    """1 if a second run ends in other bits."""
-    return float(evidence.run.bits != evidence.again.bits)
-
-
 def permutation(evidence: Evidence) -> float | None:
     """Change of velocities by another order of the bodies."""
     order = np.argsort(evidence.order)
@@ -197,13 +158,7 @@ def mirroring(evidence: Evidence) -> float | None:
 
 
 INVARIANTS = (
-    Invariant(
-        "finite",
-        "states are finite and MuJoCo warns of nothing",
-        0.0,
-        "exact",
-        finite,
-    ),
+    FINITE,
     Invariant(
         "momentum",
         "balls that only impacts act on keep their momentum",
@@ -225,9 +180,7 @@ INVARIANTS = (
         "the promise; in parts of the largest kinetic energy, per impact",
         energy_drift,
     ),
-    Invariant(
-        "no pull", "normal impulses are not negative", 0.0, "exact", impulse_sign
-    ),
+    NO_PULL,
     Invariant(
         "no passing",
         "no ball passes through another",
@@ -244,9 +197,7 @@ INVARIANTS = (
         "per ball; a contact may press a few times in one impact",
         pulse_length,
     ),
-    Invariant(
-        "same bits", "a run repeated gives the same bits", 0.0, "exact", same_bits
-    ),
+    SAME_BITS,
     Invariant(
         "permutation",
         "the order of the bodies does not matter",
@@ -255,6 +206,7 @@ INVARIANTS = (
         "tolerance 1e-8, and beyond 20 times what the scene makes of a change of 1e-6, "
         "or of the tolerance 1e-7",
         permutation,
+        ours_only=True,
     ),
     Invariant(
         "mirror",
@@ -262,13 +214,9 @@ INVARIANTS = (
         SYMMETRIC,
         "as for permutation",
         mirroring,
+        ours_only=True,
     ),
 )
-
-
-def is_sound(run: Record) -> bool:
-    """Whether MuJoCo did not reset the state, which it does when a run diverges."""
-    return not run.warnings and bool(np.isfinite(run.velocity).all())
 
 
 def _asymmetry(
@@ -280,7 +228,7 @@ def _asymmetry(
         evidence: The case.
         velocity_back: Returns the velocities of the image, put back where they were.
     """
-    if not is_sound(evidence.run) or "two instances" in evidence.case.features:
+    if not evidence.run.is_sound or "two instances" in evidence.case.features:
         return None
     change = _difference(evidence.run, velocity_back(evidence))
     # most scenes are that good; in the others it may be the error of the law
@@ -290,7 +238,7 @@ def _asymmetry(
     change = _difference(fine.run, velocity_back(fine))
     if change <= SYMMETRIC:
         return change
-    if not is_sound(fine.nudged) or not is_sound(coarse.run):
+    if not fine.nudged.is_sound or not coarse.run.is_sound:
         return None
     small = max(
         NUDGE,

@@ -6,13 +6,11 @@ touches. README.md ("Limits") and plugin/README.md tell them to users.
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Callable
-
 import numpy as np
 
 from mujoco_impact.stress.evidence import Evidence
-from mujoco_impact.stress.methods import FASTEST, OURS, depth_of
+from mujoco_impact.stress.methods import FASTEST, depth_of
+from mujoco_impact.stress.promises import Limit, first_limit
 from mujoco_impact.stress.scene import ARM
 
 SLOW = 5e-7
@@ -21,23 +19,6 @@ step: twice that is what they do to the energy."""
 
 HARD = 0.3
 """Part of the closing speed by which other forces may change a speed within a step."""
-
-
-@dataclasses.dataclass(frozen=True)
-class Limit:
-    """One documented limit.
-
-    Attributes:
-        name: Short, for tables.
-        meaning: In words.
-        invariants: Names of the invariants that it touches.
-        holds: Whether a case is outside of it.
-    """
-
-    name: str
-    meaning: str
-    invariants: frozenset[str]
-    holds: Callable[[Evidence], bool]
 
 
 def _diverges_alone(evidence: Evidence) -> bool:
@@ -109,6 +90,7 @@ LIMITS = (
         "MuJoCo cannot integrate the scene even if no ball meets another",
         frozenset({"finite"}) | _ENERGY | _SYMMETRY | _SHAPE,
         _diverges_alone,
+        ours_only=False,
     ),
     Limit(
         "starts deep",
@@ -154,12 +136,5 @@ LIMITS = (
 
 
 def limit_of(evidence: Evidence, invariant: str) -> str:
-    """Returns the name of the first limit that a case is outside of, "" if of none.
-
-    MuJoCo's contacts have other limits; they are judged without any, but for scenes
-    that diverge alone.
-    """
-    for limit in LIMITS if evidence.method == OURS else LIMITS[:1]:
-        if invariant in limit.invariants and limit.holds(evidence):
-            return limit.name
-    return ""
+    """Returns the name of the first limit that a case is outside of, "" if of none."""
+    return first_limit(LIMITS, evidence, invariant)

@@ -7,47 +7,57 @@ from collections.abc import Iterable, Sequence
 
 import mujoco
 
-from mujoco_impact.stress.invariants import INVARIANTS
-from mujoco_impact.stress.limits import LIMITS
+from mujoco_impact.stress.family import Family
 from mujoco_impact.stress.long_runs import DAMPING, RESTITUTION, LongRun
-from mujoco_impact.stress.methods import METHODS, OURS
+from mujoco_impact.stress.methods import OURS
 from mujoco_impact.stress.summary import Summary, Tally
 from mujoco_impact.stress.user_scene import Finding
 
 HEAD = """\
 # Stress report
 
-Written by `scripts/stress`; do not edit. Random scenes of spheres in rows, rings,
-lattices and free clusters, long runs, and what of the promises held. A scene is
-reproduced by its seed:
+Written by `scripts/stress`; do not edit. Random scenes, long runs, and what of the
+promises held. A scene is reproduced by its family and its seed:
 
-    mujoco-impact stress --seed N
-
-The scenes: timestep 10 us to 20 ms; the integrators Euler, implicit, implicitfast,
-discrete and RK4; 2 to 200 balls of 1e-4 to 1e2 m; mass ratios up to 1e6; Young's
-modulus 1e5 to 1e12 Pa; restitution 0, and 1e-6 to 1, bi-stiffness and viscous; speeds
-1e-6 to 1e3 m/s; pulses of the Hertz contact, and of 1e-5 to 1 s; gaps 0 to 1e-2 m;
-starts with overlaps of up to half the sum of radii; joints with springs, damping,
-armature, limits, equality constraints, tendons, motors and MuJoCo's own plugin `pid`;
-sleeping; two instances of the plugin.
+    mujoco-impact stress --family balls --seed N
 """
 
 
-def report(summary: Summary, runs: Sequence[LongRun], elapsed: float) -> str:
-    """Returns the whole report.
+def update(report: str, family: Family, section: str) -> str:
+    """Returns a report with the section of a family in it, new or replaced.
 
     Args:
+        report: The report so far, "" for a new one.
+        family: Of the section.
+        section: Its text.
+    """
+    marks = f"<!-- {family.name} -->\n", f"<!-- end of {family.name} -->\n"
+    block = marks[0] + section + marks[1]
+    before, found, rest = (report or HEAD).partition(marks[0])
+    if not found:
+        return before + "\n" + block
+    _, _, after = rest.partition(marks[1])
+    return before + block + after
+
+
+def section(
+    family: Family, summary: Summary, runs: Sequence[LongRun], elapsed: float
+) -> str:
+    """Returns the section of a family.
+
+    Args:
+        family: The kind of the scenes.
         summary: The sweep.
-        runs: The long runs.
+        runs: The long runs, if there are any.
         elapsed: Wall time of the sweep [s].
     """
     parts = [
-        HEAD,
+        f"## Random {family.name}\n\n{family.about}",
         _machine(summary, elapsed),
-        _promises(),
+        _promises(family),
         *(_method(summary, method) for method in summary.methods),
-        _comparison(summary),
-        _limits(summary),
+        _comparison(family, summary),
+        _limits(family, summary),
         _long_runs(runs) if runs else "",
     ]
     return "\n".join(part for part in parts if part)
@@ -88,21 +98,28 @@ def table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 def _machine(summary: Summary, elapsed: float) -> str:
     """Tells what was run on what."""
     failed = len(summary.failures)
+    slowest = ""
+    if summary.slowdown is not None:
+        ratio, seed = summary.slowdown
+        slowest = (
+            f"Our slowest step took {ratio:.0f} times the processor time of MuJoCo's "
+            f"usual one in the same scene (seed {seed}). "
+        )
     return (
         f"{summary.cases} scenes, {summary.struck} with an impact, "
         f"{summary.impacts} impacts; {failed} could not be run; "
-        f"{elapsed / 60:.0f} min. MuJoCo {mujoco.mj_versionString()}, "
+        f"{elapsed / 60:.0f} min. {slowest}MuJoCo {mujoco.mj_versionString()}, "
         f"Python {platform.python_version()}, {platform.machine()}.\n"
     )
 
 
-def _promises() -> str:
+def _promises(family: Family) -> str:
     """Lists the invariants with their bounds and reasons."""
     rows = [
         (invariant.name, invariant.promise, f"{invariant.bound:g}", invariant.reason)
-        for invariant in INVARIANTS
+        for invariant in family.invariants
     ]
-    return "## The promises\n\n" + table(
+    return "### The promises\n\n" + table(
         ("name", "promise", "bound", "why that bound"), rows
     )
 
@@ -110,7 +127,7 @@ def _promises() -> str:
 def _method(summary: Summary, method: str) -> str:
     """Returns the table of one method."""
     rows = [_row(tally) for tally in summary.tallies if tally.method == method]
-    text = f"## {method}: {summary.violations(method)} violations\n\n" + table(
+    text = f"### {method}: {summary.violations(method)} violations\n\n" + table(
         (
             "promise",
             "scenes judged",
@@ -143,12 +160,12 @@ def _row(tally: Tally) -> tuple[str, ...]:
     )
 
 
-def _comparison(summary: Summary) -> str:
+def _comparison(family: Family, summary: Summary) -> str:
     """Returns violations per promise, method beside method, without any limits."""
     rows = []
-    for invariant in INVARIANTS:
+    for invariant in family.invariants:
         cells = [invariant.name]
-        for method in METHODS:
+        for method in family.methods:
             tally = summary.tally(method, invariant.name)
             if tally is None:
                 cells.append("-")
@@ -157,25 +174,27 @@ def _comparison(summary: Summary) -> str:
             cells.append(f"{broken} of {tally.judged}")
         rows.append(cells)
     return (
-        "## Side by side\n\nScenes in which a promise is broken, those outside of "
+        "### Side by side\n\nScenes in which a promise is broken, those outside of "
         "our documented limits included: the same scenes for every method.\n\n"
-        + table(("promise", *METHODS), rows)
+        + table(("promise", *family.methods), rows)
     )
 
 
-def _limits(summary: Summary) -> str:
+def _limits(family: Family, summary: Summary) -> str:
     """Explains the limits and counts what is outside of them."""
     rows = []
-    for limit in LIMITS:
+    for limit in family.limits:
         count = sum(
             tally.beyond.get(limit.name, 0)
             for tally in summary.tallies
             if tally.method == OURS
         )
-        touched = ", ".join(i.name for i in INVARIANTS if i.name in limit.invariants)
+        touched = ", ".join(
+            i.name for i in family.invariants if i.name in limit.invariants
+        )
         rows.append((limit.name, limit.meaning, touched, str(count)))
     return (
-        "## Outside of the limits\n\nWhat a scene does outside of the documented "
+        "### Outside of the limits\n\nWhat a scene does outside of the documented "
         "limits is counted apart, not hidden.\n\n"
         + table(("limit", "a scene is outside if", "touches", "broken promises"), rows)
     )
@@ -198,7 +217,7 @@ def _long_runs(runs: Sequence[LongRun]) -> str:
         for run in runs
     ]
     return (
-        "## Long runs\n\nThe shipped cradle of five balls (`row_5`) at 2 ms, Euler: "
+        "### Long runs\n\nThe shipped cradle of five balls (`row_5`) at 2 ms, Euler: "
         "elastic for an hour, and with "
         f"e = {RESTITUTION} and {DAMPING:g} N m s/rad in the joints until it hangs "
         "still and ten minutes longer. Energies are over that at the release; "

@@ -6,7 +6,8 @@ import dataclasses
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
-from mujoco_impact.stress.invariants import INVARIANTS
+from mujoco_impact.stress.families import BALLS
+from mujoco_impact.stress.family import Family
 from mujoco_impact.stress.sweep import Outcome, Verdict
 
 WORST = 5
@@ -50,6 +51,8 @@ class Summary:
         impacts: Impacts of the plugin in all.
         failures: Errors by seed.
         tallies: Per method and invariant.
+        slowdown: Largest processor time of a step of ours over that of MuJoCo's usual
+            step in the same scene, and the seed of that scene; None unless both ran.
     """
 
     cases: int
@@ -57,6 +60,7 @@ class Summary:
     impacts: int
     failures: dict[int, str]
     tallies: tuple[Tally, ...]
+    slowdown: tuple[float, int] | None
 
     @property
     def methods(self) -> tuple[str, ...]:
@@ -76,14 +80,14 @@ class Summary:
         return None
 
 
-def summarise(outcomes: Sequence[Outcome]) -> Summary:
-    """Returns the numbers of a sweep."""
+def summarise(outcomes: Sequence[Outcome], family: Family = BALLS) -> Summary:
+    """Returns the numbers of a sweep over scenes of a family."""
     verdicts: dict[tuple[str, str], list[Verdict]] = {}
     for outcome in outcomes:
         for verdict in outcome.verdicts:
             key = (verdict.method, verdict.invariant)
             verdicts.setdefault(key, []).append(verdict)
-    bounds = {invariant.name: invariant.bound for invariant in INVARIANTS}
+    bounds = {invariant.name: invariant.bound for invariant in family.invariants}
     return Summary(
         cases=len(outcomes),
         struck=sum(outcome.impacts > 0 for outcome in outcomes),
@@ -92,6 +96,10 @@ def summarise(outcomes: Sequence[Outcome]) -> Summary:
         tallies=tuple(
             _tally(method, invariant, bounds[invariant], found)
             for (method, invariant), found in verdicts.items()
+        ),
+        slowdown=max(
+            ((o.slowdown, o.case.seed) for o in outcomes if o.slowdown is not None),
+            default=None,
         ),
     )
 

@@ -6,16 +6,13 @@ import dataclasses
 import multiprocessing
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
-from mujoco_impact.errors import ImpactError
-from mujoco_impact.stress.case import Case
-from mujoco_impact.stress.draw import case_of
-from mujoco_impact.stress.evidence import Evidence
-from mujoco_impact.stress.invariants import INVARIANTS
-from mujoco_impact.stress.limits import limit_of
-from mujoco_impact.stress.methods import METHODS, OURS
+import numpy as np
 
-SYMMETRIES = ("permutation", "mirror")
-"""Judged for us only: MuJoCo's solver stops at a tolerance, which depends on order."""
+from mujoco_impact.errors import ImpactError
+from mujoco_impact.stress.families import BALLS, FAMILIES
+from mujoco_impact.stress.family import AnyCase, Family
+from mujoco_impact.stress.methods import DEFAULTS, OURS
+from mujoco_impact.stress.promises import Runs, first_limit
 
 
 @dataclasses.dataclass(frozen=True)
@@ -53,33 +50,51 @@ class Outcome:
         verdicts: One per invariant that says something, and method.
         impacts: Impacts of the plugin.
         failure: The error that stopped the case, "" if none.
+        slowdown: Processor time of our slowest step over that of MuJoCo's usual one in
+            the same scene; None unless both ran. A figure, not a verdict.
     """
 
-    case: Case
+    case: AnyCase
     verdicts: tuple[Verdict, ...]
     impacts: int
     failure: str = ""
+    slowdown: float | None = dataclasses.field(default=None, compare=False)
 
 
-def judge(case: Case, methods: Sequence[str] = METHODS) -> Outcome:
-    """Runs a case under each method and judges every invariant."""
+def judge(
+    case: AnyCase, methods: Sequence[str] | None = None, *, family: Family = BALLS
+) -> Outcome:
+    """Runs a case under each method and judges every invariant.
+
+    Args:
+        case: Of the family.
+        methods: Of those of the family; None for all of them.
+        family: The kind of the scene.
+    """
     verdicts: list[Verdict] = []
-    impacts = 0
+    seen: dict[str, Runs] = {}
+    failure = ""
     try:
-        for method in methods:
-            evidence = Evidence(case, method)
-            verdicts.extend(_verdicts(evidence))
-            if method == OURS:
-                impacts = len(evidence.run.impacts) + evidence.run.missed
+        for method in family.methods if methods is None else methods:
+            seen[method] = family.evidence_of(case, method)
+            verdicts.extend(_verdicts(case.seed, seen[method], family))
     except (ImpactError, ValueError) as error:
-        return Outcome(case, tuple(verdicts), impacts, " ".join(str(error).split()))
-    return Outcome(case, tuple(verdicts), impacts)
+        failure = " ".join(str(error).split())
+        return Outcome(case, tuple(verdicts), 0, failure)
+    ours = seen[OURS].run if OURS in seen else None
+    return Outcome(
+        case,
+        tuple(verdicts),
+        impacts=len(ours.impacts) + ours.missed if ours else 0,
+        slowdown=_slowdown(seen),
+    )
 
 
 def sweep(
     seeds: Iterable[int],
     *,
-    methods: Sequence[str] = METHODS,
+    family: Family = BALLS,
+    methods: Sequence[str] | None = None,
     processes: int = 1,
     progress: Callable[[Outcome], None] | None = None,
 ) -> list[Outcome]:
@@ -87,12 +102,14 @@ def sweep(
 
     Args:
         seeds: One per case.
-        methods: Of `METHODS`.
+        family: The kind of the scenes.
+        methods: Of those of the family; None for all of them.
         processes: How many cases to run at a time.
         progress: Called with each outcome, in the order of the seeds.
     """
+    chosen = family.methods if methods is None else tuple(methods)
     outcomes = []
-    for outcome in _outcomes(list(seeds), tuple(methods), processes):
+    for outcome in _outcomes(list(seeds), family, chosen, processes):
         outcomes.append(outcome)
         if progress is not None:
             progress(outcome)
@@ -100,37 +117,52 @@ def sweep(
 
 
 def _outcomes(
-    seeds: list[int], methods: tuple[str, ...], processes: int
+    seeds: list[int], family: Family, methods: tuple[str, ...], processes: int
 ) -> Iterator[Outcome]:
     """Yields the outcomes in the order of the seeds."""
+    tasks = [(seed, family.name, methods) for seed in seeds]
     if processes == 1:
-        yield from (judge(case_of(seed), methods) for seed in seeds)
+        yield from map(_judge_seed, tasks)
         return
     # a fresh interpreter: a fork would share MuJoCo's threads and handlers
     with multiprocessing.get_context("spawn").Pool(processes) as pool:
-        yield from pool.imap(_judge_seed, [(seed, methods) for seed in seeds], 8)
+        yield from pool.imap(_judge_seed, tasks, 8)
 
 
-def _judge_seed(task: tuple[int, tuple[str, ...]]) -> Outcome:
-    """Judges the case of a seed in a process of its own."""
-    seed, methods = task
-    return judge(case_of(seed), methods)
+def _judge_seed(task: tuple[int, str, tuple[str, ...]]) -> Outcome:
+    """Judges the case of a seed, maybe in a process of its own."""
+    seed, name, methods = task
+    family = FAMILIES[name]
+    return judge(family.case_of(seed), methods, family=family)
 
 
-def _verdicts(evidence: Evidence) -> Iterator[Verdict]:
+def _verdicts(seed: int, evidence: Runs, family: Family) -> Iterator[Verdict]:
     """Yields the verdict of each invariant that says something about a case."""
-    for invariant in INVARIANTS:
-        if evidence.method != OURS and invariant.name in SYMMETRIES:
+    for invariant in family.invariants:
+        if invariant.ours_only and evidence.method != OURS:
             continue
         value = invariant.value(evidence)
         if value is None:
             continue
         holds = value <= invariant.bound
+        limit = "" if holds else first_limit(family.limits, evidence, invariant.name)
         yield Verdict(
-            seed=evidence.case.seed,
+            seed=seed,
             method=evidence.method,
             invariant=invariant.name,
             value=value,
             holds=holds,
-            limit="" if holds else limit_of(evidence, invariant.name),
+            limit=limit,
         )
+
+
+def _slowdown(seen: dict[str, Runs]) -> float | None:
+    """Returns the time of our slowest step over that of MuJoCo's median one."""
+    if OURS not in seen or DEFAULTS not in seen:
+        return None
+    # the faster of two runs: an interrupt seldom strikes twice
+    ours, usual = (
+        np.minimum(seen[method].run.seconds, seen[method].again.seconds)
+        for method in (OURS, DEFAULTS)
+    )
+    return float(ours.max() / np.median(usual))

@@ -1,0 +1,153 @@
+"""Stepping a model, and what is seen while it runs: the same for every family."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mujoco_impact.pulses import PulseReader
+from mujoco_impact.runner import collected_warnings
+from mujoco_impact.trajectory import Array, Impact
+
+_CONTACTS = int(mujoco.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS)
+"""First of the types of contact rows, which are the last of all types."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Observation:
+    """What is seen of one run.
+
+    Attributes:
+        qpos: In each sample, shape (n_samples, nq); the first sample is the start, the
+            others follow the steps.
+        qvel: In each sample, shape (n_samples, nv).
+        quiet: Whether no contact force acts between a sample and its neighbours:
+            every pulse is delivered and no contact is MuJoCo's, shape (n_samples,).
+        begun: How many of `impacts` began in a step, shape (n_samples - 1,).
+        pushed: Whether MuJoCo's own contacts pushed in a step, shape (n_samples - 1,).
+        limited: Whether a joint limit held something.
+        impacts: The impacts of the plugin.
+        missed: Impacts without a record.
+        warnings: What MuJoCo warned of.
+        bits: The last state, plugin state included.
+        seconds: Processor time of each step [s], shape (n_samples - 1,); no verdict may
+            depend on it.
+    """
+
+    qpos: Array
+    qvel: Array
+    quiet: npt.NDArray[np.bool_]
+    begun: npt.NDArray[np.int64]
+    pushed: npt.NDArray[np.bool_]
+    limited: bool
+    impacts: tuple[Impact, ...]
+    missed: int
+    warnings: tuple[str, ...]
+    bits: bytes
+    seconds: Array
+
+    @property
+    def struck(self) -> npt.NDArray[np.bool_]:
+        """Whether an impact began in a step, shape (n_samples - 1,)."""
+        return self.begun > 0
+
+    @property
+    def native(self) -> bool:
+        """Whether MuJoCo's own contacts took part."""
+        return bool(self.pushed.any())
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether MuJoCo did not reset the state, which it does if a run diverges."""
+        return not self.warnings and bool(np.isfinite(self.qvel).all())
+
+
+def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
+    """Runs a model from its initial position.
+
+    Args:
+        model: The model.
+        qvel: Velocity at the start, shape (nv,).
+        steps: How many steps to take.
+    """
+    data = mujoco.MjData(model)
+    data.qvel[:] = qvel
+    data.ctrl[:] = 1.0
+    qpos_of, qvel_of = np.zeros((steps + 1, model.nq)), np.zeros((steps + 1, model.nv))
+    busy = np.zeros(steps + 1, dtype=bool)
+    begun, pushed = np.zeros(steps, dtype=np.int64), np.zeros(steps, dtype=bool)
+    seconds = np.zeros(steps)
+    pulses = PulseReader(model, data)
+    until = -np.inf
+    qpos_of[0], qvel_of[0] = data.qpos, data.qvel
+    limited, seen = False, 0
+    with collected_warnings() as messages:
+        for step in range(steps):
+            begin = time.thread_time()
+            mujoco.mj_step(model, data)
+            seconds[step] = time.thread_time() - begin
+            qpos_of[step + 1], qvel_of[step + 1] = data.qpos, data.qvel
+            # a step finds the contacts of the state that it starts from
+            limited = limited or _is_limiting(data)
+            pushed[step] = _is_pushing(data)
+            pulses.poll()
+            begun[step] = len(pulses.impacts) - seen
+            for impact in pulses.impacts[seen:]:
+                until = max(until, impact.time + impact.duration)
+            seen = len(pulses.impacts)
+            # an impact may be recorded as longer than it is delivered: rounding
+            busy[step + 1] |= data.time < until * (1 - 1e-12)
+        bits = data.qpos.tobytes() + data.qvel.tobytes() + data.plugin_state.tobytes()
+    busy[:-1] |= pushed
+    busy[1:] |= pushed
+    return Observation(
+        qpos=qpos_of,
+        qvel=qvel_of,
+        quiet=~busy,
+        begun=begun,
+        pushed=pushed,
+        limited=limited,
+        impacts=tuple(pulses.impacts),
+        missed=pulses.missed,
+        warnings=tuple(messages),
+        bits=bits,
+        seconds=seconds,
+    )
+
+
+def _is_pushing(data: mujoco.MjData) -> bool:
+    """Whether a contact of MuJoCo exerts a force, normal or of friction."""
+    contacts = data.efc_type >= _CONTACTS
+    return bool(np.any(data.efc_force[contacts]))
+
+
+def _is_limiting(data: mujoco.MjData) -> bool:
+    """Whether a joint limit exerts a force."""
+    limits = data.efc_type == mujoco.mjtConstraint.mjCNSTR_LIMIT_JOINT
+    return bool(np.any(data.efc_force[limits]))
+
+
+def energies(model: mujoco.MjModel, qpos: Array, qvel: Array) -> Array:
+    """Returns potential and kinetic energy of each sample [J], shape (n_samples, 2)."""
+    data = mujoco.MjData(model)
+    result = np.zeros((len(qpos), 2))
+    for sample, (position, velocity) in enumerate(zip(qpos, qvel, strict=True)):
+        data.qpos[:], data.qvel[:] = position, velocity
+        for stage in _ENERGY_STAGES:
+            stage(model, data)
+        result[sample] = data.energy
+    return result
+
+
+_ENERGY_STAGES = (
+    mujoco.mj_kinematics,
+    mujoco.mj_comPos,
+    mujoco.mj_tendon,
+    mujoco.mj_makeM,
+    mujoco.mj_energyPos,
+    mujoco.mj_energyVel,
+)
