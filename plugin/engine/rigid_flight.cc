@@ -94,22 +94,31 @@ void Fly(const RigidInertia& inertia, const Acceleration& acceleration, mjtNum t
   state.spin = x.spin;
 }
 
-// Position and velocity of the joint against those of the centre of mass.
-void ToJoint(const RigidInertia& inertia, const RigidState& state, mjtNum* qpos, mjtNum* qvel) {
+// Velocity of the centre of mass against that of the joint, in the body: ω × r. A velocity that
+// lags behind the pose by a time s is that of the joint then: ω × r − s ω × (ω × r).
+Vector3 AroundJoint(const RigidInertia& inertia, const Vector3& spin, mjtNum lag) {
+  const Vector3 around = Cross(spin, inertia.offset);
+  return around - lag * Cross(spin, around);
+}
+
+// Position and velocity of the joint from those of the centre of mass.
+void ToJoint(const RigidInertia& inertia, const RigidState& state, mjtNum lag, mjtNum* qpos,
+             mjtNum* qvel) {
   Store(state.position - ToWorld(state.rotation, inertia.offset), qpos);
   mju_copy4(qpos + 3, state.rotation);
-  const Vector3 around = Cross(state.spin, inertia.offset);
+  const Vector3 around = AroundJoint(inertia, state.spin, lag);
   Store(state.velocity - ToWorld(state.rotation, around), qvel);
   Store(state.spin, qvel + 3);
 }
 
-RigidState FromJoint(const RigidInertia& inertia, const mjtNum* qpos, const mjtNum* qvel) {
+RigidState FromJoint(const RigidInertia& inertia, mjtNum lag, const mjtNum* qpos,
+                     const mjtNum* qvel) {
   RigidState state;
   mju_copy4(state.rotation, qpos + 3);
   mju_normalize4(state.rotation);
   state.spin = Load(qvel + 3);
   state.position = Load(qpos) + ToWorld(state.rotation, inertia.offset);
-  const Vector3 around = Cross(state.spin, inertia.offset);
+  const Vector3 around = AroundJoint(inertia, state.spin, lag);
   state.velocity = Load(qvel) + ToWorld(state.rotation, around);
   return state;
 }
@@ -117,6 +126,9 @@ RigidState FromJoint(const RigidInertia& inertia, const mjtNum* qpos, const mjtN
 mjtNum* Position(const mjModel* m, int tree, mjtNum* qpos) {
   return qpos + m->jnt_qposadr[m->dof_jntid[m->tree_dofadr[tree]]];
 }
+
+// How far the velocity of MuJoCo's bodies is behind that of their path (motion.h) [s].
+mjtNum Lag(const mjModel* m) { return (0.5 - ImpulseLag(m)) * m->opt.timestep; }
 
 // a and α from the accelerations of the joint at the spin for which MuJoCo found them.
 Acceleration OtherForces(const RigidInertia& inertia, const mjtNum* rotation,
@@ -260,7 +272,7 @@ void RigidFlights::Add(const mjData* d, int tree, mjtNum t, const mjtNum* veloci
   const RigidInertia& inertia = flight.inertia;
   if (!flight.struck) {
     const mjtNum* qpos = Position(m_, tree, d->qpos);
-    flight.now = flight.unstruck = FromJoint(inertia, qpos, velocity + m_->tree_dofadr[tree]);
+    flight.now = flight.unstruck = FromJoint(inertia, 0, qpos, velocity + m_->tree_dofadr[tree]);
     flight.struck = true;
     flight.time = t;
     mju_copy4(flight.rotation, flight.now.rotation);
@@ -293,7 +305,7 @@ void RigidFlights::Place(mjtNum t, mjtNum* qpos, mjtNum* qvel, mjtNum* velocity,
     const int begin = m_->tree_dofadr[tree];
     RigidState state = flight.now;
     Fly(inertia, flight.acceleration, t - flight.time, state);
-    ToJoint(inertia, state, Position(m_, tree, qpos), qvel + begin);
+    ToJoint(inertia, state, 0, Position(m_, tree, qpos), qvel + begin);
     mju_copy(velocity + begin, qvel + begin, 6);
     const Vector3 r = inertia.offset;
     const Vector3 rate = GyroscopicRate(inertia, state.spin) + flight.acceleration.angular;
@@ -324,9 +336,7 @@ void RigidFlights::Finish(State& state) {
     FlightRecord& record = state.flight(tree);
     record.struck = 1;
     record.work = SpinEnergy(flight.inertia, now.spin) - SpinEnergy(flight.inertia, unstruck.spin);
-    // the velocity of MuJoCo's bodies is behind that of their path
-    const mjtNum lag = (0.5 - ImpulseLag(m_)) * h;
-    Store(unstruck.velocity - lag * flight.acceleration.linear, record.velocity);
+    Store(unstruck.velocity - Lag(m_) * flight.acceleration.linear, record.velocity);
   }
 }
 
@@ -337,7 +347,7 @@ void CommitFlights(const mjModel* m, mjData* d, State& state) {
     const RigidInertia inertia(m, d, tree);
     mjtNum *correction = state.correction() + begin, *change = state.held_force() + begin;
     mjtNum *qpos = Position(m, tree, d->qpos), *qvel = d->qvel + begin;
-    RigidState body = FromJoint(inertia, qpos, qvel);
+    RigidState body = FromJoint(inertia, Lag(m), qpos, qvel);
     const FlightRecord& record = state.flight(tree);
     // MuJoCo's flight of a body whose centre is not at its joint does not keep its momentum m v:
     // the work that the impulse does for it is not one of the impact
@@ -347,7 +357,7 @@ void CommitFlights(const mjModel* m, mjData* d, State& state) {
     body.position += Load(correction);
     Turn(Load(correction + 3), body.rotation);
     body.velocity += Load(change);
-    ToJoint(inertia, body, qpos, qvel);
+    ToJoint(inertia, body, Lag(m), qpos, qvel);
     // the rest of the corrections is MuJoCo's to integrate
     mju_zero(correction, 6);
     mju_zero(change, 6);
