@@ -52,6 +52,7 @@ class Resolver {
         struck_(m, d, mobility, scratch),
         start_(LookAhead(m, d, mobility, delivery, bent_, scratch)),
         flights_(m, d, start_.motion, state.header().active > 0, scratch),
+        steady_(flights_.SteadyAcceleration(start_.motion, scratch)),
         bodies_(m, d, mobility, start_, flights_, scratch) {}
 
   void Run();
@@ -94,6 +95,7 @@ class Resolver {
   Struck struck_;
   const Outlook start_;
   RigidFlights flights_;
+  const mjtNum* steady_;  // what gravity and other forces do to the velocities (nv)
   BodiesInStep bodies_;
   const mjtNum* path_velocity_ = nullptr;  // of the outlook of the round (nv)
   bool there_ = false;    // the bodies are where the impact at hand begins, and so is their inertia
@@ -171,7 +173,9 @@ bool Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
   }
   IslandSystem system =
       BuildIsland(m_, d_, mobility_, contacts_, position, count, outlook.motion, time.tau, scratch);
-  const mjtNum* velocity = SettledVelocity(m_, outlook, time.tau, scratch);
+  mjtNum* velocity = SettledVelocity(m_, outlook, time.tau, scratch);
+  const mjtNum delay = ImpulseDelay(m_, config_, system, time.first, velocity);
+  mju_addToScl(velocity, steady_, delay, m_->nv);
   Impact* impacts = scratch.Take<Impact>(count);
   ResolveIsland(m_, config_, ownership_, system, time, velocity, impacts, scratch);
   if (config_.friction) {

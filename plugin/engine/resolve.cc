@@ -10,6 +10,7 @@
 #include "law/hertz_contact.h"
 #include "law/impact_law.h"
 #include "law/passivity.h"
+#include "law/single_impact.h"
 #include "law/waveform.h"
 
 namespace mujoco_impact::engine {
@@ -133,6 +134,24 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
   return SetCommonPulse(config, system, time, EndOf(problem), problem);
 }
 
+// Whether the first degree of freedom of the tree is a translation of all of it, so that its body
+// flies along a straight line but for the forces on it.
+bool FliesStraight(const mjModel* m, int tree) {
+  if (tree < 0) return true;
+  const int type = m->jnt_type[m->dof_jntid[m->tree_dofadr[tree]]];
+  return m->tree_bodynum[tree] == 1 && (type == mjJNT_FREE || type == mjJNT_SLIDE);
+}
+
+// Whether all contacts are between the same two bodies, and those fly.
+bool IsOneMeeting(const mjModel* m, const IslandSystem& system) {
+  const RowSegment* first = system.row[0].segment;
+  const auto same = [first](const ContactRow& row) {
+    return row.segment[0].tree == first[0].tree && row.segment[1].tree == first[1].tree;
+  };
+  return FliesStraight(m, first[0].tree) && FliesStraight(m, first[1].tree) &&
+         std::all_of(system.row, system.row + system.size, same);
+}
+
 // −ΔT over the sum of impulses.
 mjtNum LossPerImpulse(const IslandSystem& system, const IslandProblem& problem) {
   const mjtNum change = law::KineticEnergyChange(system.delassus, problem.closing_speed,
@@ -156,6 +175,17 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
     inverse_mass = mju_dot(segment.jacobian, segment.inverse_inertia, dofs);
   }
   return 1 / inverse_mass;
+}
+
+mjtNum ImpulseDelay(const mjModel* m, const Config& config, const IslandSystem& system, int k,
+                    const mjtNum* velocity) {
+  if (!InstantRule(config) || !IsOneMeeting(m, system)) return 0;
+  const mjtNum speed = -RowTimes(m, system.row[k], velocity);
+  if (speed <= 0) return 0;
+  const mjtNum stiffness = law::HertzStiffness(config.effective_modulus, system.row[k].curvature);
+  const law::SingleImpact single =
+      law::SolveSingleImpact(1 / system.delassus.diagonal[k], speed, stiffness, config.restitution);
+  return std::min(single.moment / single.impulse, m->opt.timestep);
 }
 
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,

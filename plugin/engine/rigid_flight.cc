@@ -261,9 +261,25 @@ RigidFlights::RigidFlights(const mjModel* m, const mjData* d, const Motion& moti
     Flight& flight = *new (&Of(tree)) Flight{RigidInertia(m, d, tree), false, 0, {}, {}, {}, {}};
     const int begin = m->tree_dofadr[tree];
     const mjtNum* rotation = d->xquat + 4 * m->dof_bodyid[begin];
+    mju_copy4(flight.rotation, rotation);
     flight.acceleration = OtherForces(flight.inertia, rotation, motion.acceleration + begin,
                                       Load(d->qvel + begin + 3));
   }
+}
+
+const mjtNum* RigidFlights::SteadyAcceleration(const Motion& motion, Scratch& scratch) const {
+  if (!index_) return motion.acceleration;
+  mjtNum* steady = scratch.Take<mjtNum>(m_->nv);
+  mju_copy(steady, motion.acceleration, m_->nv);
+  for (int tree = 0; tree < m_->ntree; ++tree) {
+    if (!Has(tree)) continue;
+    const Flight& flight = Of(tree);
+    const int begin = m_->tree_dofadr[tree];
+    const Vector3 of_offset = Cross(flight.acceleration.angular, flight.inertia.offset);
+    Store(flight.acceleration.linear - ToWorld(flight.rotation, of_offset), steady + begin);
+    Store(flight.acceleration.angular, steady + begin + 3);
+  }
+  return steady;
 }
 
 void RigidFlights::Add(const mjData* d, int tree, mjtNum t, const mjtNum* velocity,

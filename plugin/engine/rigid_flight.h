@@ -65,6 +65,9 @@ class RigidFlights {
   // Whether the tree flies here: its impulses are no forces.
   bool Has(int tree) const { return index_ && index_[tree] >= 0; }
 
+  // The acceleration of `motion` without the gyroscopic part of the bodies that fly (nv).
+  const mjtNum* SteadyAcceleration(const Motion& motion, Scratch& scratch) const;
+
   // Adds an impulse of an impact at time t [s]: ΔV = M⁻¹Jᵀ P at the pose of the bodies in `d` and
   // its moment M⁻¹Jᵀ ∫ s F ds, s from the start of the step (dofs of the tree).
   void Add(const mjData* d, int tree, mjtNum t, const mjtNum* velocity, const mjtNum* kick,
