@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "engine/config.h"
 #include "engine/friction.h"
@@ -17,6 +18,7 @@
 #include "engine/rigid_flight.h"
 #include "engine/slots.h"
 #include "engine/struck.h"
+#include "engine/velocity_forces.h"
 
 namespace mujoco_impact::engine {
 
@@ -330,7 +332,13 @@ void Resolver::ResolveIslands(const Outlook& outlook, const Islands& islands,
     if (there_) {
       Scratch scratch(d_);
       const InertiaThere inertia(m_, d_, scratch);
+      const bool any = std::exchange(kicks_.any, false);
       ResolveFirstOf(outlook, times[island], position, count);
+      if (kicks_.any) {
+        AddVelocityForces(m_, d_, flights_, outlook.start + times[island].tau,
+                          outlook.motion.velocity, struck_.kicked().velocity, kicks_, scratch);
+      }
+      kicks_.any = kicks_.any || any;
     } else {
       ResolveFirstOf(outlook, times[island], position, count);
     }

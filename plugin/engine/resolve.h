@@ -43,8 +43,8 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
 
 // How long after its onset the impulse of two bodies comes on the average, by their first contact k
 // [s]: gravity goes on meanwhile, and an impulse for the velocities at that time does the work that
-// it should. 0 for pulses whose duration is not that of the contact, where a wave passes through more
-// than two bodies, each contact in its own time, and on hinges, which turn meanwhile.
+// it should. 0 for pulses whose duration is not that of the contact, where a wave passes through
+// more than two bodies, each contact in its own time, and on hinges, which turn meanwhile.
 mjtNum ImpulseDelay(const mjModel* m, const Config& config, const IslandSystem& system, int k,
                     const mjtNum* velocity);
 

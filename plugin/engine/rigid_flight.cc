@@ -340,6 +340,10 @@ void RigidFlights::Finish(State& state) {
     RigidState &now = flight.now, &unstruck = flight.unstruck;
     Fly(flight.inertia, flight.acceleration, h - flight.time, now);
     Fly(flight.inertia, flight.acceleration, h - flight.time, unstruck);
+    // the spin of MuJoCo's bodies is behind their path
+    RigidState now_then = now, unstruck_then = unstruck;
+    Fly(flight.inertia, flight.acceleration, -Lag(m_), now_then);
+    Fly(flight.inertia, flight.acceleration, -Lag(m_), unstruck_then);
     const int begin = m_->tree_dofadr[tree];
     mjtNum inverse[4], difference[4], angle[3];
     mju_negQuat(inverse, unstruck.rotation);
@@ -348,7 +352,7 @@ void RigidFlights::Finish(State& state) {
     Store(now.position - unstruck.position, state.correction() + begin);
     mju_copy3(state.correction() + begin + 3, angle);
     Store(now.velocity - unstruck.velocity, state.held_force() + begin);
-    Store(now.spin - unstruck.spin, state.held_force() + begin + 3);
+    Store(now_then.spin - unstruck_then.spin, state.held_force() + begin + 3);
     FlightRecord& record = state.flight(tree);
     record.struck = 1;
     record.work = SpinEnergy(flight.inertia, now.spin) - SpinEnergy(flight.inertia, unstruck.spin);

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// How gyroscopic, centrifugal and Coriolis forces change when an impact changes velocities.
+//
+// With C = c(q, v⁺) − c(q, v⁻) the change of the velocity-dependent forces c at an impact at time
+// t, the velocities go on changing by −M⁻¹C (h − t) until the end of the step. Those of a
+// semi-implicit integrator are behind their path by half a step (motion.h): a = ½; those of
+// Runge-Kutta are not: a = 0. And the integrators take the impulse for one of the whole step, and
+// count a part b h of C:
+//
+//   b = 0    Euler; implicitfast and discrete, but for single free bodies
+//   b = ½    RK4
+//   b = 1    implicit; implicitfast and discrete for single free bodies
+//
+// so −C (h − t − a h − b h) goes into the impulse of the step. Correct to first order in the angle
+// turned. Bodies that nothing holds are followed exactly instead (rigid_flight.h).
+
+#ifndef MUJOCO_IMPACT_ENGINE_VELOCITY_FORCES_H_
+#define MUJOCO_IMPACT_ENGINE_VELOCITY_FORCES_H_
+
+#include <mujoco/mujoco.h>
+
+#include "engine/deliver.h"
+#include "engine/rigid_flight.h"
+#include "engine/scratch.h"
+
+namespace mujoco_impact::engine {
+
+// Adds that to the kicks of the trees that do not fly, for an impact at time t [s] where the bodies
+// are in `d`, with their inertia there; velocities before and after it (nv).
+void AddVelocityForces(const mjModel* m, mjData* d, const RigidFlights& flights, mjtNum t,
+                       const mjtNum* before, const mjtNum* after, Kicks& kicks, Scratch& scratch);
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_VELOCITY_FORCES_H_
