@@ -16,7 +16,8 @@ import numpy.typing as npt
 from mujoco_impact import _plugin
 from mujoco_impact.errors import ImpactWarning, SceneError, SimulationError
 from mujoco_impact.pulses import PulseReader
-from mujoco_impact.source import Source, compile_spec, read_spec
+from mujoco_impact.source import Source, read_spec
+from mujoco_impact.specifications import compile_spec
 from mujoco_impact.trajectory import Array, Trajectory
 
 Model: TypeAlias = mujoco.MjModel | Source

@@ -10,6 +10,8 @@ import mujoco
 
 from mujoco_impact import _plugin
 from mujoco_impact.errors import SceneError
+from mujoco_impact.instances import check_named
+from mujoco_impact.specifications import copy_spec, one_line
 
 Source: TypeAlias = str | os.PathLike[str] | mujoco.MjSpec
 """A path of an MJCF or URDF file, XML text, or a specification."""
@@ -31,8 +33,16 @@ def read_spec(source: Source) -> mujoco.MjSpec:
     """
     # a scene may already name the plugin, and is then unreadable without it
     _plugin.load()
+    spec = _spec_of(source)
+    check_named(spec)
+    # MuJoCo has read a file or a text for us alone
+    return copy_spec(spec) if spec is source else spec
+
+
+def _spec_of(source: Source) -> mujoco.MjSpec:
+    """Returns the specification of a source, which may be the caller's own."""
     if isinstance(source, mujoco.MjSpec):
-        return source.copy()
+        return source
     if isinstance(source, str) and source.lstrip("\ufeff \t\r\n").startswith("<"):
         return _parse(source)
     if isinstance(source, str | os.PathLike):
@@ -42,24 +52,6 @@ def read_spec(source: Source) -> mujoco.MjSpec:
         f"got {type(source).__name__}"
     )
     raise SceneError(msg)
-
-
-def compile_spec(spec: mujoco.MjSpec) -> mujoco.MjModel:
-    """Compiles a specification.
-
-    Raises:
-        SceneError: With MuJoCo's reason if it cannot be compiled.
-    """
-    try:
-        return spec.compile()
-    except (ValueError, mujoco.FatalError) as error:
-        msg = f"MuJoCo cannot compile the scene: {one_line(error)}"
-        raise SceneError(msg) from error
-
-
-def one_line(error: BaseException) -> str:
-    """Returns the text of an error without line breaks."""
-    return " ".join(str(error).split())
 
 
 def _parse(xml: str) -> mujoco.MjSpec:

@@ -15,7 +15,8 @@ from mujoco_impact.pulses import PulseReader
 from mujoco_impact.runner import collected_warnings, initial_data, step_count
 from mujoco_impact.scene import attach
 from mujoco_impact.settings import Setting
-from mujoco_impact.source import Source, compile_spec, read_spec
+from mujoco_impact.source import Source, read_spec
+from mujoco_impact.specifications import compile_spec, copy_spec
 from mujoco_impact.stress.case import INTEGRATORS
 from mujoco_impact.trajectory import Array
 
@@ -122,7 +123,7 @@ def variations(
     spec: mujoco.MjSpec, keyframe: str | int | None = None
 ) -> tuple[Variation, ...]:
     """Returns the ways in which a scene is run."""
-    start = initial_data(compile_spec(spec.copy()), keyframe=keyframe)
+    start = initial_data(compile_spec(copy_spec(spec)), keyframe=keyframe)
     ways = [Variation("as it is")]
     ways += [Variation(f"timestep x {f:g}", timestep=f) for f in TIMESTEPS]
     ways += [Variation(f"integrator {name}", integrator=name) for name in INTEGRATORS]
@@ -141,7 +142,7 @@ def _varied(
     spec: mujoco.MjSpec, variation: Variation, settings: Mapping[str, Setting]
 ) -> mujoco.MjSpec:
     """Returns the scene of a variation, with the plugin."""
-    varied = spec.copy()
+    varied = copy_spec(spec)
     varied.option.timestep = spec.option.timestep * variation.timestep
     if variation.integrator is not None:
         varied.option.integrator = _INTEGRATORS[variation.integrator]
