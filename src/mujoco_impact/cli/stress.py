@@ -12,6 +12,7 @@ import typer
 from mujoco_impact.cli.options import JsonOption, KeyframeOption, SetOption
 from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
 from mujoco_impact.cli.scenes import model_path, parsed_settings, start_keyframe
+from mujoco_impact.files import write_text
 from mujoco_impact.source import read_spec
 
 VIOLATION = 1
@@ -28,12 +29,14 @@ def stress(
             "Without it, random scenes.",
         ),
     ] = None,
-    cases: Annotated[int, typer.Option(help="Random scenes to judge.")] = 100,
-    first: Annotated[int, typer.Option(help="Seed of the first random scene.")] = 0,
+    cases: Annotated[int, typer.Option(min=1, help="Random scenes to judge.")] = 100,
+    first: Annotated[
+        int, typer.Option(min=0, help="Seed of the first random scene.")
+    ] = 0,
     seed: Annotated[
-        int | None, typer.Option(help="Only the random scene of this seed.")
+        int | None, typer.Option(min=0, help="Only the random scene of this seed.")
     ] = None,
-    processes: Annotated[int, typer.Option(help="Scenes to run at a time.")] = 1,
+    processes: Annotated[int, typer.Option(min=1, help="Scenes to run at a time.")] = 1,
     ours_only: Annotated[
         bool, typer.Option("--ours-only", help="Leave MuJoCo's own contacts out.")
     ] = False,
@@ -97,7 +100,7 @@ def _sweep(
     summary = stressing.summarise(outcomes)
     text = markdown.report(summary, runs, elapsed)
     if out is not None:
-        out.write_text(text, encoding="utf-8")
+        write_text(out, text)
         console.out(f"report: {out}")
     else:
         console.out(text)
@@ -152,7 +155,7 @@ def _stress_model(
     console = console_of(json_file)
     text = markdown.findings_table(findings)
     if out is not None:
-        out.write_text(f"# Stress report of {path.name}\n\n{text}", encoding="utf-8")
+        write_text(out, f"# Stress report of {path.name}\n\n{text}")
         console.out(f"report: {out}")
     else:
         console.out(text)

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from mujoco_impact.errors import SceneError
+from mujoco_impact.limits import check_recording
 from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.pulses import PulseReader
 from mujoco_impact.runner import collected_warnings, initial_data, step_count
@@ -206,10 +207,14 @@ class _Watch:
         # an owned geom is seen from its gap and margin on
         sight = model.geom_gap[geoms] + model.geom_margin[geoms]
         self._sight = np.maximum(sight, 1e-300)
+        steps = step_count(model, duration)
+        check_recording(steps, 2)
+        energy = np.empty((steps, 2))
         with collected_warnings() as messages:
-            energy = [self._step() for _ in range(step_count(model, duration))]
+            for step in range(steps):
+                energy[step] = self._step()
         self.warnings = tuple(messages)
-        total, kinetic = np.array(energy).sum(axis=1), np.array(energy)[:, 1]
+        total, kinetic = energy.sum(axis=1), energy[:, 1]
         largest = float(kinetic.max())
         self.energy_change = (
             float(total[-1] - total[0]) / largest if largest > 0 else 0.0
