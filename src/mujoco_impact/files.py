@@ -77,12 +77,12 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     target = Path(os.path.realpath(path))
     if target.is_dir():
-        raise IsADirectoryError(
-            errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path)
-        )
+        raise _error(errno.EISDIR, path)
     if target.exists() and not target.is_file():
         yield Path(path)
         return
+    if target.exists() and not os.access(target, os.W_OK):
+        raise _error(errno.EACCES, path)
     # the ending says what is written to functions that go by it
     part = target.with_name(f".{secrets.token_hex(6)}{target.suffix}")
     try:
@@ -93,9 +93,15 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     except OSError as error:
         if error.errno is None:
             raise
-        raise type(error)(error.errno, error.strerror, os.fspath(path)) from error
+        raise _error(error.errno, path) from error
     finally:
-        part.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            part.unlink()
+
+
+def _error(number: int, path: str | os.PathLike[str]) -> OSError:
+    """Returns the error of a number of the system for a path."""
+    return OSError(number, os.strerror(number), os.fspath(path))
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:

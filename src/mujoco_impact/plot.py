@@ -14,6 +14,7 @@ from mujoco_impact.compare import row_samples
 from mujoco_impact.comparison import OURS, Comparison
 from mujoco_impact.errors import MissingExtraError
 from mujoco_impact.files import replacing
+from mujoco_impact.printable import printable
 from mujoco_impact.trajectory import Array, Trajectory
 
 if TYPE_CHECKING:
@@ -251,8 +252,8 @@ def _marker_style(number: int) -> dict[str, Any]:
 
 
 def _literal(text: str) -> str:
-    """Returns text of which matplotlib takes nothing for a formula."""
-    return text.replace("$", r"\$")
+    """Returns text that matplotlib has letters for, and takes for no formula."""
+    return printable(text).replace("$", r"\$")
 
 
 def _say(axis: Axes, text: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import os
 import struct
+import tokenize
 import zipfile
 import zlib
 from pathlib import Path
@@ -33,6 +34,7 @@ _DAMAGE = (
     RuntimeError,  # zipfile: encrypted, or NotImplementedError; RecursionError
     SyntaxError,  # numpy: the header of an array
     struct.error,
+    tokenize.TokenError,  # numpy, too
     zipfile.BadZipFile,
     zlib.error,
 )

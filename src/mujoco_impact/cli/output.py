@@ -13,9 +13,10 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn
 
 import cradle_models
-from mujoco_impact.cli.printable import PlainConsole, printable
+from mujoco_impact.cli.console import PlainConsole
 from mujoco_impact.errors import ImpactError
 from mujoco_impact.files import write_text
+from mujoco_impact.printable import printable
 
 USER_ERROR = 2
 """Exit code when the input or the installation is to blame."""

@@ -1,4 +1,4 @@
-"""Showing text that may hold anything on a terminal."""
+"""A console that file and scene names cannot command."""
 
 from __future__ import annotations
 
@@ -7,22 +7,11 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
-
-def printable(text: str) -> str:
-    """Returns text with what could command a terminal shown as escape sequences.
-
-    Line breaks stay: they are ours, or do no harm.
-    """
-    return "".join(
-        letter
-        if letter == "\n" or letter.isprintable()
-        else letter.encode("unicode_escape").decode("ascii")
-        for letter in text
-    )
+from mujoco_impact.printable import printable
 
 
 class PlainConsole(Console):
-    """A console that prints names of files and scenes as they are, but no commands."""
+    """A console that shows what would command the terminal as escape sequences."""
 
     def render_str(self, text: str, **options: Any) -> Text:
         """Returns the text of a string or a cell of a table."""
