@@ -182,8 +182,8 @@ def test_an_instance_without_a_name_is_refused(place: str) -> None:
 def test_instances_of_other_plugins_are_kept() -> None:
     """Named by nothing, or had by an element to itself: MuJoCo's copy loses both."""
     spec = mujoco.MjSpec.from_string(
-        """<mujoco><extension><plugin plugin="mujoco.sdf.torus"/>
-        <plugin plugin="mujoco.elasticity.cable"><instance name="cable"/></plugin>
+        """<mujoco><extension>
+          <plugin plugin="mujoco.sdf.torus"><instance name="other"/></plugin>
         </extension>
         <asset><mesh name="t"><plugin plugin="mujoco.sdf.torus"/></mesh></asset>
         <worldbody><body><freejoint/>
