@@ -110,9 +110,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
         part.write_text(text, encoding="utf-8")
 
 
-def quoted(value: object) -> str:
+def quoted(value: object, *, longest: int = LONGEST_QUOTE) -> str:
     """Returns a value as a message quotes it: on one line, and not too long."""
     text = repr(value)
-    if len(text) <= LONGEST_QUOTE:
-        return text
-    return f"{text[: LONGEST_QUOTE - 3]}..."
+    return text if len(text) <= longest else f"{text[: longest - 3]}..."

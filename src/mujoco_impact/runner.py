@@ -53,7 +53,7 @@ def run(
             model's initial state.
         qpos: Initial positions, shape (nq,), instead of those of the keyframe.
         qvel: Initial velocities, shape (nv,), instead of those of the keyframe.
-        every: Steps between two samples.
+        every: Steps between two samples; at most all of the run.
         controller: Called before each step with the model and the data.
         progress: Called now and then with the finished fraction, 0 to 1.
 

@@ -15,6 +15,9 @@ from mujoco_impact.files import quoted, read_text
 from mujoco_impact.instances import check_named
 from mujoco_impact.specifications import copy_spec, one_line
 
+LONGEST_PATH = 300
+"""Most characters of a path in a message: it may be any text."""
+
 LARGEST_MODEL = 256_000_000
 """Most bytes of a model file, without its assets."""
 
@@ -79,7 +82,7 @@ def _read_file(path: Path) -> mujoco.MjSpec:
         msg = f"{path} is a compiled model: give the MJCF file it was made from"
         raise SceneError(msg)
     if not _is_file(path):
-        msg = f"there is no model file {quoted(str(path))}"
+        msg = f"there is no model file {quoted(str(path), longest=LONGEST_PATH)}"
         raise SceneError(msg)
     if path.suffix.lower() not in _ARCHIVES:
         _check_text(path)

@@ -154,7 +154,8 @@ class Trajectory:
         """Reads a trajectory written by `save`.
 
         Raises:
-            TrajectoryError: If the file is missing, damaged or of another layout.
+            TrajectoryError: If the file is missing, damaged, of another layout, or
+                larger than a run may be (`limits.LARGEST_RECORDING`).
         """
         try:
             with Path(path).open("rb") as stream:

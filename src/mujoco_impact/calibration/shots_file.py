@@ -80,7 +80,8 @@ def read_shots(path: str | os.PathLike[str]) -> Shots:
         The shots.
 
     Raises:
-        ShotsError: If the file is missing, or a column, unit or number is not what the
+        ShotsError: If the file is missing, larger than `files.LARGEST_TEXT` or of more
+            than `MOST_BALLS` balls, or a column, unit or number is not what the
             format asks for; the message names line and column.
     """
     source = Path(path)
