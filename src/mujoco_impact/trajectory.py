@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import stat
 import struct
 import tokenize
 import zipfile
@@ -159,6 +160,8 @@ class Trajectory:
         """
         try:
             with Path(path).open("rb") as stream:
+                if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
+                    raise ValueError("it is a device or a pipe")
                 _check_version(read_arrays(stream, ["layout_version"]))
                 return _from_arrays(read_arrays(stream, _STORED))
         except FileNotFoundError as error:

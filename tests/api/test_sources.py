@@ -181,18 +181,18 @@ def test_an_instance_without_a_name_is_refused(place: str) -> None:
 
 def test_instances_of_other_plugins_are_kept() -> None:
     """Named by nothing, or had by an element to itself: MuJoCo's copy loses both."""
+    pid = '<plugin plugin="mujoco.pid" joint="hinge"/>'
     spec = mujoco.MjSpec.from_string(
-        """<mujoco><extension>
-          <plugin plugin="mujoco.sdf.torus"><instance name="other"/></plugin>
+        f"""<mujoco><extension>
+          <plugin plugin="mujoco.pid"><instance name="other"/></plugin>
         </extension>
-        <asset><mesh name="t"><plugin plugin="mujoco.sdf.torus"/></mesh></asset>
-        <worldbody><body><freejoint/>
-          <geom name="torus" type="sdf" mesh="t">
-            <plugin plugin="mujoco.sdf.torus"/></geom>
-        </body>
-        <body><freejoint/><geom name="ball" size=".1"/></body></worldbody></mujoco>"""
+        <worldbody>
+          <body><joint name="hinge"/><geom name="one" size=".1"/></body>
+          <body><freejoint/><geom name="two" size=".1"/></body>
+        </worldbody>
+        <actuator>{pid}{pid}</actuator></mujoco>"""
     )
-    spec = attach(attach(spec, geoms=["ball"]), geoms=["torus"], name="second")
+    spec = attach(attach(spec, geoms=["one"]), geoms=["two"], name="second")
     assert spec.compile().nplugin == 5
     assert our_instances(spec) == ["impact", "second"]
     assert detach(spec).compile().nplugin == 3

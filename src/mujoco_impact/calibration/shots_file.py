@@ -104,6 +104,10 @@ def read_shots(path: str | os.PathLike[str]) -> Shots:
 
 def _checked_headings(source: Path, headings: Sequence[str]) -> list[str]:
     """Returns the names of the columns; ShotsError if one is wrong or missing."""
+    most = 1 + len(columns(MOST_BALLS))
+    if len(headings) > most:
+        msg = f"{source}, line 1: {len(headings)} columns, the first {_list(headings)}"
+        raise ShotsError(f"{msg}; allowed: {most}, for {MOST_BALLS} balls")
     found: dict[str, str | None] = {}
     for position, heading in enumerate(headings, start=1):
         match = _HEADING.match(heading)
