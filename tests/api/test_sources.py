@@ -184,7 +184,8 @@ def test_instances_of_other_plugins_are_kept() -> None:
     pid = '<plugin plugin="mujoco.pid" joint="hinge"/>'
     spec = mujoco.MjSpec.from_string(
         f"""<mujoco><extension>
-          <plugin plugin="mujoco.pid"><instance name="other"/></plugin>
+          <plugin plugin="mujoco.sdf.torus"><instance name="other"/></plugin>
+          <plugin plugin="mujoco.pid"/>
         </extension>
         <worldbody>
           <body><joint name="hinge"/><geom name="one" size=".1"/></body>
