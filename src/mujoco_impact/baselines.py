@@ -24,6 +24,7 @@ import mujoco
 
 from mujoco_impact.scene import detach
 from mujoco_impact.source import Source
+from mujoco_impact.specifications import copy_spec
 
 COMPLIANT_STIFFNESS = 0.4
 """K h^2 of the compliant setting: 1e5 1/s^2 at 2 ms."""
@@ -109,7 +110,7 @@ def baselines(
 
 def damper(plain: mujoco.MjSpec, timestep: float, restitution: float) -> Method:
     """Returns the reflecting damper."""
-    spec = plain.copy()
+    spec = copy_spec(plain)
     damping = (1.0 + restitution) / timestep
     _set_contacts(spec, (0.0, -damping), (0.001, 0.001, 0.001, 0.5, 2.0))
     spec.option.enableflags |= _EXACT_DIAGONAL
@@ -136,7 +137,7 @@ def spring(
     every: int = 1,
 ) -> Method:
     """Returns an undamped spring contact with the given impedance."""
-    spec = plain.copy()
+    spec = copy_spec(plain)
     spec.option.timestep = plain.option.timestep / every
     _set_contacts(spec, (-stiffness, 0.0), solimp)
     shown = " ".join(f"{value:.3g}" for value in solimp)

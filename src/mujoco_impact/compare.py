@@ -23,7 +23,7 @@ from mujoco_impact.pendulums import PendulumRow, find_row
 from mujoco_impact.reference import ReferenceTrajectory, swing
 from mujoco_impact.runner import initial_data, load_model, run, step_count
 from mujoco_impact.scene import attach, detach
-from mujoco_impact.settings import Setting
+from mujoco_impact.settings import Setting, attributes
 from mujoco_impact.source import Source
 from mujoco_impact.timing import interleaved_times
 from mujoco_impact.trajectory import Array, Trajectory
@@ -81,6 +81,7 @@ def compare(
     """
     report = progress or (lambda _: None)
     law: dict[str, Any] = dict(settings or {})
+    attributes(law)
     report(OURS)
     plain = detach(source)
     attached = attach(plain, geoms=geoms, name=INSTANCE, gap=gap, depth=depth, **law)

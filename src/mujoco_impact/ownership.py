@@ -14,8 +14,8 @@ from collections.abc import Iterable, Sequence
 import mujoco
 import numpy as np
 
-from mujoco_impact._plugin import PLUGIN_NAME
 from mujoco_impact.errors import SceneError
+from mujoco_impact.instances import our_instances
 
 GAP_SIZE_FRACTION = 0.5
 """Smallest default gap, as a fraction of the smallest owned geom's half-width."""
@@ -58,11 +58,7 @@ def owned_geoms(spec: mujoco.MjSpec) -> dict[str, tuple[str, ...] | None]:
         tuple, which owns every geom.
     """
     tuples = {element.name: tuple(element.objname) for element in spec.tuples}
-    return {
-        plugin.name: tuples.get(plugin.name)
-        for plugin in spec.plugins
-        if plugin.plugin_name == PLUGIN_NAME
-    }
+    return {instance: tuples.get(instance) for instance in our_instances(spec)}
 
 
 def set_margins(

@@ -13,6 +13,8 @@ import numpy as np
 from mujoco_impact.compare import row_samples
 from mujoco_impact.comparison import OURS, Comparison
 from mujoco_impact.errors import MissingExtraError
+from mujoco_impact.files import replacing
+from mujoco_impact.printable import printable
 from mujoco_impact.trajectory import Array, Trajectory
 
 if TYPE_CHECKING:
@@ -51,7 +53,8 @@ def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Pat
     """
     figure = _new_figure(comparison)
     target = Path(path)
-    figure.savefig(target, dpi=130)
+    with replacing(target) as part:
+        figure.savefig(part, dpi=130, format=target.suffix[1:] or "png")
     return target
 
 
@@ -74,7 +77,7 @@ def _new_figure(comparison: Comparison) -> Figure:
     handles, labels = left.get_legend_handles_labels()
     bottom.legend(handles, labels, loc="outside lower center", ncols=6, fontsize=9)
     figure.suptitle(
-        f"{comparison.scene}: timestep {comparison.timestep * 1e3:g} ms, "
+        f"{_literal(comparison.scene)}: timestep {comparison.timestep * 1e3:g} ms, "
         f"{comparison.integrator}, MuJoCo {comparison.mujoco_version}",
         fontsize=13,
     )
@@ -139,7 +142,7 @@ def _curve_names(comparison: Comparison) -> list[str]:
     if comparison.row:
         names = [f"ball {ball + 1}" for ball in range(comparison.row.chain.count)]
     else:
-        names = list(comparison.geoms)
+        names = [_literal(geom) for geom in comparison.geoms]
     return names[:MOST_CURVES]
 
 
@@ -248,12 +251,17 @@ def _marker_style(number: int) -> dict[str, Any]:
     return {"color": COLOURS[number], "marker": MARKERS[number], "markersize": size}
 
 
+def _literal(text: str) -> str:
+    """Returns text that matplotlib has letters for, and takes for no formula."""
+    return printable(text).replace("$", r"\$")
+
+
 def _say(axis: Axes, text: str) -> None:
     """Writes a sentence in an empty panel."""
     axis.text(
         0.5,
         0.5,
-        text,
+        _literal(text),
         transform=axis.transAxes,
         ha="center",
         va="center",

@@ -18,6 +18,7 @@ from mujoco.rollout import Rollout
 
 from mujoco_impact import _plugin
 from mujoco_impact.errors import SceneError, SimulationError
+from mujoco_impact.limits import check_recording
 from mujoco_impact.runner import (
     Model,
     collected_warnings,
@@ -101,6 +102,9 @@ def rollout(
         start = _given_states(compiled, initial_state, (qpos, qvel, keyframe))
     controls = _controls(compiled, control, len(start), steps)
     rows = _rows_per_call(compiled, steps, workers)
+    numbers = mujoco.mj_stateSize(compiled, STATE) + int(compiled.nsensordata)
+    check_recording(min(rows, len(start)) * steps, numbers)
+    check_recording(len(start) * (steps // every), numbers)
     # without a pool MuJoCo steps on the calling thread
     with Rollout(nthread=workers if workers > 1 else 0) as pool:
         run = _Run(compiled, steps, every, workers, pool)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import copy
-import math
 import warnings
 from collections.abc import Callable, Iterator
 from typing import TypeAlias
@@ -15,8 +14,10 @@ import numpy.typing as npt
 
 from mujoco_impact import _plugin
 from mujoco_impact.errors import ImpactWarning, SceneError, SimulationError
+from mujoco_impact.limits import check_recording, steps_of
 from mujoco_impact.pulses import PulseReader
-from mujoco_impact.source import Source, compile_spec, read_spec
+from mujoco_impact.source import Source, read_spec
+from mujoco_impact.specifications import compile_spec
 from mujoco_impact.trajectory import Array, Trajectory
 
 Model: TypeAlias = mujoco.MjModel | Source
@@ -52,7 +53,7 @@ def run(
             model's initial state.
         qpos: Initial positions, shape (nq,), instead of those of the keyframe.
         qvel: Initial velocities, shape (nv,), instead of those of the keyframe.
-        every: Steps between two samples.
+        every: Steps between two samples; at most all of the run.
         controller: Called before each step with the model and the data.
         progress: Called now and then with the finished fraction, 0 to 1.
 
@@ -62,14 +63,17 @@ def run(
     Raises:
         SceneError: If the model or the initial state is not valid.
         SimulationError: If MuJoCo gives a warning, for example on divergence.
-        ValueError: If `duration` or `every` is not valid.
+        ValueError: If `duration` or `every` is not valid, or asks for more memory than
+            a run may take.
     """
     _plugin.load()
     compiled = load_model(model)
     steps = step_count(compiled, duration)
-    if every < 1:
-        msg = f"every = {every}: must be a number of steps >= 1"
+    if not 1 <= every <= steps:
+        msg = f"every = {every}: must be 1 to {steps}, the number of steps"
         raise ValueError(msg)
+    # time, positions, velocities and two energies
+    check_recording(steps // every + 1, 3 + compiled.nq + compiled.nv)
     # MuJoCo fills in the energies only if asked to; nothing else depends on the flag
     compiled.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
     data = initial_data(compiled, keyframe=keyframe, qpos=qpos, qvel=qvel)
@@ -100,12 +104,9 @@ def step_count(model: mujoco.MjModel, duration: float) -> int:
     """Returns the number of steps that make up a duration.
 
     Raises:
-        ValueError: If the duration is not a positive time.
+        ValueError: If the duration is not a positive time, or too long.
     """
-    if not (math.isfinite(duration) and duration > 0):
-        msg = f"duration = {duration}: must be a time > 0 [s]"
-        raise ValueError(msg)
-    return max(1, round(duration / float(model.opt.timestep)))
+    return steps_of(duration, float(model.opt.timestep))
 
 
 def initial_data(

@@ -10,6 +10,7 @@ import mujoco
 from mujoco_impact import law
 from mujoco_impact._plugin import PLUGIN_NAME
 from mujoco_impact.errors import ConfigError, SceneError
+from mujoco_impact.instances import remove_instances
 from mujoco_impact.ownership import (
     default_gap,
     fall_speed,
@@ -26,7 +27,8 @@ from mujoco_impact.settings import (
     Setting,
     attributes,
 )
-from mujoco_impact.source import Source, compile_spec, read_spec
+from mujoco_impact.source import Source, read_spec
+from mujoco_impact.specifications import compile_spec, copy_spec
 
 SMALLEST_DEPTH = 0.01
 """Default depth over half-width when pulses last no longer than a Hertz contact."""
@@ -91,7 +93,7 @@ def attach(
     _add_instance(spec, name, owned, config)
     # lengths of the scene are known once it is compiled, with any valid margin
     set_margins(spec, owned, gap=1.0, depth=1.0)
-    model = _compile_with_plugin(spec.copy(), config)
+    model = _compile_with_plugin(spec, config)
     set_margins(
         spec,
         owned,
@@ -115,15 +117,7 @@ def detach(source: Source) -> mujoco.MjSpec:
     """
     spec = read_spec(source)
     owned = owned_geoms(spec)
-    for sensor in spec.sensors:
-        if sensor.plugin.active and sensor.plugin.plugin_name == PLUGIN_NAME:
-            spec.delete(sensor)
-    for element in spec.tuples:
-        if element.name in owned:
-            spec.delete(element)
-    for plugin in spec.plugins:
-        if plugin.plugin_name == PLUGIN_NAME:
-            spec.delete(plugin)
+    remove_instances(spec)
     everything = {geom.name for geom in spec.geoms}
     _clear_margins(
         spec,
@@ -159,9 +153,9 @@ def _add_instance(
 def _compile_with_plugin(
     spec: mujoco.MjSpec, config: Mapping[str, str]
 ) -> mujoco.MjModel:
-    """Compiles the scene; blames the settings if the plugin refuses them."""
+    """Compiles a copy of the scene; blames the settings if the plugin refuses them."""
     try:
-        return compile_spec(spec)
+        return compile_spec(copy_spec(spec))
     except SceneError as error:
         # MuJoCo quotes the warning of the plugin, twice
         _, plugin, reason = str(error).partition(f"{PLUGIN_NAME}: ")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import TypeAlias
 
@@ -10,6 +11,20 @@ import mujoco
 
 from mujoco_impact import _plugin
 from mujoco_impact.errors import SceneError
+from mujoco_impact.files import quoted, read_text
+from mujoco_impact.instances import check_named
+from mujoco_impact.specifications import copy_spec, one_line
+
+LONGEST_PATH = 300
+"""Most characters of a path in a message: it may be any text."""
+
+LARGEST_MODEL = 256_000_000
+"""Most bytes of a model file, without its assets."""
+
+_ARCHIVES = (".mjz", ".zip")
+"""Endings of model files that are no text."""
+
+_INCLUDE = re.compile(r"<include\b[^>]*\bfile\s*=\s*[\"']([^\"']+)")
 
 Source: TypeAlias = str | os.PathLike[str] | mujoco.MjSpec
 """A path of an MJCF or URDF file, XML text, or a specification."""
@@ -31,8 +46,16 @@ def read_spec(source: Source) -> mujoco.MjSpec:
     """
     # a scene may already name the plugin, and is then unreadable without it
     _plugin.load()
+    spec = _spec_of(source)
+    check_named(spec)
+    # MuJoCo has read a file or a text for us alone
+    return copy_spec(spec) if spec is source else spec
+
+
+def _spec_of(source: Source) -> mujoco.MjSpec:
+    """Returns the specification of a source, which may be the caller's own."""
     if isinstance(source, mujoco.MjSpec):
-        return source.copy()
+        return source
     if isinstance(source, str) and source.lstrip("\ufeff \t\r\n").startswith("<"):
         return _parse(source)
     if isinstance(source, str | os.PathLike):
@@ -42,24 +65,6 @@ def read_spec(source: Source) -> mujoco.MjSpec:
         f"got {type(source).__name__}"
     )
     raise SceneError(msg)
-
-
-def compile_spec(spec: mujoco.MjSpec) -> mujoco.MjModel:
-    """Compiles a specification.
-
-    Raises:
-        SceneError: With MuJoCo's reason if it cannot be compiled.
-    """
-    try:
-        return spec.compile()
-    except (ValueError, mujoco.FatalError) as error:
-        msg = f"MuJoCo cannot compile the scene: {one_line(error)}"
-        raise SceneError(msg) from error
-
-
-def one_line(error: BaseException) -> str:
-    """Returns the text of an error without line breaks."""
-    return " ".join(str(error).split())
 
 
 def _parse(xml: str) -> mujoco.MjSpec:
@@ -76,12 +81,39 @@ def _read_file(path: Path) -> mujoco.MjSpec:
     if path.suffix.lower() == ".mjb":
         msg = f"{path} is a compiled model: give the MJCF file it was made from"
         raise SceneError(msg)
-    if not path.is_file():
-        msg = f"there is no model file {str(path)!r}"
+    if not _is_file(path):
+        msg = f"there is no model file {quoted(str(path), longest=LONGEST_PATH)}"
         raise SceneError(msg)
+    if path.suffix.lower() not in _ARCHIVES:
+        _check_text(path)
     try:
         # absolute: MuJoCo looks for assets from the working directory of later calls
         return mujoco.MjSpec.from_file(str(path.resolve()))
     except (ValueError, mujoco.FatalError) as error:
         msg = f"MuJoCo cannot read {path}: {one_line(error)}"
         raise SceneError(msg) from error
+
+
+def _is_file(path: Path) -> bool:
+    """Returns whether a path is a file that can be looked at."""
+    try:
+        return path.is_file()
+    except OSError:  # too long, or in a folder without permission
+        return False
+
+
+def _check_text(path: Path) -> None:
+    """Raises SceneError if a model, or what it includes, is not text in UTF-8.
+
+    MuJoCo reads any bytes, and Python fails later, at the first name.
+    """
+    seen = set[Path]()
+    waiting = [path]
+    while waiting:
+        file = waiting.pop()
+        if file in seen or not _is_file(file):
+            continue  # MuJoCo says what is missing, or includes itself
+        seen.add(file)
+        text = read_text(file, what="a model", error=SceneError, limit=LARGEST_MODEL)
+        for name in _INCLUDE.findall(text):
+            waiting += [path.parent / name, file.parent / name]

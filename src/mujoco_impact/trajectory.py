@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import stat
 import struct
+import tokenize
 import zipfile
 import zlib
 from pathlib import Path
@@ -13,7 +15,9 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from mujoco_impact.archive import AnyArray, read_arrays
 from mujoco_impact.errors import TrajectoryError
+from mujoco_impact.files import replacing
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
@@ -27,9 +31,11 @@ _DAMAGE = (
     TypeError,
     EOFError,
     OverflowError,
-    RuntimeError,  # zipfile: encrypted, or NotImplementedError
+    MemoryError,  # the parser of headers: nested too deeply
+    RuntimeError,  # zipfile: encrypted, or NotImplementedError; RecursionError
     SyntaxError,  # numpy: the header of an array
     struct.error,
+    tokenize.TokenError,  # numpy, too
     zipfile.BadZipFile,
     zlib.error,
 )
@@ -37,6 +43,13 @@ _DAMAGE = (
 
 _ARRAYS = ("time", "qpos", "qvel", "energy")
 _SCALARS = ("timestep", "integrator", "mujoco_version", "missed_impacts")
+_STORED = ("impact_numbers", "impact_geoms", *_ARRAYS, *_SCALARS)
+_TEXTS = ("integrator", "mujoco_version", "impact_geoms")
+_KINDS = {"U": "text", "iu": "integers", "iuf": "numbers"}
+"""Kinds of NumPy's types, and what a message calls them."""
+
+MOST_IMPACTS = 4_000_000
+"""Most impacts that are read of a file: each takes a kilobyte as an `Impact`."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -111,6 +124,8 @@ class Trajectory:
             The path written.
         """
         target = Path(path)
+        if not target.name:
+            raise TrajectoryError(f"cannot write {os.fspath(path)!r}: it names no file")
         if target.suffix != ".npz":
             target = target.with_name(target.name + ".npz")
         numbers = np.array(
@@ -121,14 +136,15 @@ class Trajectory:
         arrays: dict[str, Any] = {name: getattr(self, name) for name in _ARRAYS}
         scalars: dict[str, Any] = {name: getattr(self, name) for name in _SCALARS}
         try:
-            np.savez_compressed(
-                target,
-                layout_version=LAYOUT_VERSION,
-                impact_numbers=numbers,
-                impact_geoms=geoms.reshape(len(self.impacts), 2),
-                **arrays,
-                **scalars,
-            )
+            with replacing(target) as part:
+                np.savez_compressed(
+                    part,
+                    layout_version=LAYOUT_VERSION,
+                    impact_numbers=numbers,
+                    impact_geoms=geoms.reshape(len(self.impacts), 2),
+                    **arrays,
+                    **scalars,
+                )
         except OSError as error:
             msg = f"cannot write {target}: {error.strerror or error}"
             raise TrajectoryError(msg) from error
@@ -139,15 +155,15 @@ class Trajectory:
         """Reads a trajectory written by `save`.
 
         Raises:
-            TrajectoryError: If the file is missing, damaged or of another layout.
+            TrajectoryError: If the file is missing, damaged, of another layout, or
+                larger than a run may be (`limits.LARGEST_RECORDING`).
         """
         try:
-            # opened here: NumPy leaves a file open that is no archive
-            with (
-                Path(path).open("rb") as stream,
-                np.load(stream, allow_pickle=False) as file,
-            ):
-                return _from_arrays({name: file[name] for name in file.files})
+            with Path(path).open("rb") as stream:
+                if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
+                    raise ValueError("it is a device or a pipe")
+                _check_version(read_arrays(stream, ["layout_version"]))
+                return _from_arrays(read_arrays(stream, _STORED))
         except FileNotFoundError as error:
             msg = f"there is no trajectory file {os.fspath(path)!r}"
             raise TrajectoryError(msg) from error
@@ -157,12 +173,19 @@ class Trajectory:
             raise TrajectoryError(msg) from e
 
 
-def _from_arrays(stored: dict[str, npt.NDArray[Any]]) -> Trajectory:
-    """Returns the trajectory of the arrays of a file."""
-    version = int(stored["layout_version"])
+def _check_version(stored: dict[str, AnyArray]) -> None:
+    """Raises ValueError if a file is of another layout."""
+    version = stored["layout_version"]
+    if version.shape != () or version.dtype.kind not in "iu":
+        raise ValueError("its layout version is no number")
     if version != LAYOUT_VERSION:
         msg = f"layout version {version}, this package reads {LAYOUT_VERSION}"
         raise ValueError(msg)
+
+
+def _from_arrays(stored: dict[str, AnyArray]) -> Trajectory:
+    """Returns the trajectory of the arrays of a file; ValueError if it is none."""
+    _check_shapes(stored)
     impacts = tuple(
         Impact(
             geoms=(str(geoms[0]), str(geoms[1])),
@@ -173,10 +196,43 @@ def _from_arrays(stored: dict[str, npt.NDArray[Any]]) -> Trajectory:
         )
     )
     return Trajectory(
-        **{name: stored[name] for name in _ARRAYS},
+        **{name: np.asarray(stored[name], dtype=np.float64) for name in _ARRAYS},
         impacts=impacts,
         timestep=float(stored["timestep"]),
         integrator=str(stored["integrator"]),
         mujoco_version=str(stored["mujoco_version"]),
         missed_impacts=int(stored["missed_impacts"]),
     )
+
+
+def _check_shapes(stored: dict[str, AnyArray]) -> None:
+    """Raises ValueError if arrays are not of numbers, or do not fit each other."""
+    samples, impacts = stored["time"].size, len(np.atleast_1d(stored["impact_numbers"]))
+    if not samples or impacts > MOST_IMPACTS:
+        msg = f"{samples} samples and {impacts} impacts; allowed: 1 or more samples"
+        raise ValueError(f"{msg}, {MOST_IMPACTS} impacts")
+    # None: any number of columns
+    shapes = {
+        "time": (samples,),
+        "qpos": (samples, None),
+        "qvel": (samples, None),
+        "energy": (samples, 2),
+        "impact_numbers": (impacts, len(_IMPACT_NUMBERS)),
+        "impact_geoms": (impacts, 2),
+        **dict.fromkeys(_SCALARS, ()),
+    }
+    for name, shape in shapes.items():
+        array = stored[name]
+        fits = len(array.shape) == len(shape) and all(
+            wanted in (None, size)
+            for size, wanted in zip(array.shape, shape, strict=True)
+        )
+        numbers = "iu" if name == "missed_impacts" else "iuf"
+        kinds = "U" if name in _TEXTS else numbers
+        if not fits or array.dtype.kind not in kinds:
+            wanted_shape = str(shape).replace("None", "n")
+            msg = (
+                f"array {name!r} has shape {array.shape} of {array.dtype}, "
+                f"needed: {wanted_shape} of {_KINDS[kinds]}"
+            )
+            raise ValueError(msg)

@@ -112,6 +112,18 @@ def test_mjcf_gives_the_impact_of_touching_balls(snippet):
     np.testing.assert_allclose(left, expected, rtol=0, atol=1e-5)
 
 
+@pytest.mark.parametrize("snippet", snippets("xml"), ids=str)
+def test_mjcf_saved_to_a_file_runs_on_the_command_line(snippet, tmp_path, monkeypatch):
+    """The same two impacts as from text."""
+    monkeypatch.chdir(tmp_path)
+    Path("scene.xml").write_text(snippet.code)
+    result = CliRunner().invoke(
+        app, ["run", "scene.xml", "--keyframe", "shot", "--duration", "0.2"]
+    )
+    assert result.exit_code == 0, result.output
+    assert "impacts: 2" in result.output
+
+
 @pytest.mark.parametrize("document", DOCUMENTS)
 def test_links_lead_to_files_and_headings_that_exist(document):
     page = ROOT / document

@@ -119,3 +119,12 @@ def test_what_cannot_be_owned_is_refused_with_a_reason():
     attach_mjcf(root)
     with pytest.raises(SceneError, match="already has a plugin instance 'impact'"):
         attach_mjcf(root)
+
+
+def test_an_instance_that_nothing_names_is_seen():
+    """MuJoCo's copy would leave it out, and a second one would be added."""
+    root = mjcf.from_xml_string(cradle_models.row("AA"))
+    plugin = root.extension.add("plugin", plugin="mujoco_impact.waveform")
+    plugin.add("instance", name="mine")
+    with pytest.raises(SceneError, match="'mine' of the scene already owns"):
+        attach_mjcf(root)

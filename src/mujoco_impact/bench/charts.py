@@ -11,6 +11,7 @@ from mujoco_impact.bench.mujoco_methods import DEFAULT, OURS
 from mujoco_impact.bench.points import Point, front_of
 from mujoco_impact.bench.results import Results
 from mujoco_impact.errors import MissingExtraError
+from mujoco_impact.files import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -60,7 +61,8 @@ def draw_charts(results: Results, folder: Path) -> tuple[Path, ...]:
     for scene in results.scenes:
         figure = _scene_figure(results, scene)
         path = folder / f"{scene}.png"
-        figure.savefig(path, dpi=110)
+        with replacing(path) as part:
+            figure.savefig(part, dpi=110)
         paths.append(path)
     return tuple(paths)
 

@@ -10,6 +10,7 @@ from mujoco_impact.bench.charts import STYLES, drawable, name_point, new_figure,
 from mujoco_impact.bench.mujoco_methods import DEFAULT, OURS
 from mujoco_impact.bench.points import Point
 from mujoco_impact.bench.results import Results
+from mujoco_impact.files import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -76,7 +77,8 @@ def draw_overview(results: Results, folder: Path) -> tuple[Path, ...]:
         fontsize=9, frameon=False,
     )  # fmt: skip
     path = folder / OVERVIEW_NAME
-    figure.savefig(path, dpi=DOTS_PER_INCH)
+    with replacing(path) as part:
+        figure.savefig(part, dpi=DOTS_PER_INCH)
     return (path,)
 
 

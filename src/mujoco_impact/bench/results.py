@@ -16,6 +16,7 @@ from mujoco_impact.bench.points import Point
 from mujoco_impact.bench.steps import StepTimes
 from mujoco_impact.bench.summary import summarize
 from mujoco_impact.errors import ImpactError
+from mujoco_impact.files import write_text
 
 LAYOUT_VERSION = 2
 """Version of the layout of the JSON file."""
@@ -99,9 +100,9 @@ def write_results(results: Results, folder: Path) -> tuple[Path, Path]:
     """Writes the CSV and the JSON file; returns their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     table, document = folder / CSV_NAME, folder / JSON_NAME
-    table.write_text(points_to_csv(results.points), encoding="utf-8")
+    write_text(table, points_to_csv(results.points))
     text = json.dumps(results.to_dict(), indent=1, allow_nan=False)
-    document.write_text(text + "\n", encoding="utf-8")
+    write_text(document, text + "\n")
     return table, document
 
 

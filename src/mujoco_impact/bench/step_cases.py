@@ -12,6 +12,7 @@ import cradle_models
 from mujoco_impact.bench.library import load_library
 from mujoco_impact.scene import attach, detach
 from mujoco_impact.source import read_spec
+from mujoco_impact.specifications import copy_spec
 
 BEFORE_IMPACT = 0.2
 """A ball let go at 30 degrees is still far from the row [s]."""
@@ -49,7 +50,7 @@ class StepCase:
         """Returns the scene with the plugin, and the floor."""
         attached = attach(read_spec(self.make()))
         bare = floor(attached)
-        return attached if self.plugin is None else self.plugin(bare.copy()), bare
+        return attached if self.plugin is None else self.plugin(copy_spec(bare)), bare
 
 
 def floor(attached: mujoco.MjSpec) -> mujoco.MjSpec:

@@ -11,6 +11,7 @@ from typing import Any
 
 from mujoco_impact.calibration.objective import DEFAULT_KAPPA, DEFAULT_W0
 from mujoco_impact.errors import ConfigError
+from mujoco_impact.files import quoted, read_text, write_text
 
 FORMAT = "mujoco-impact parameters 1"
 """What `format` says in a file of parameters."""
@@ -78,7 +79,7 @@ def write_parameters(
     }
     target = Path(path)
     text = json.dumps(document, indent=2, allow_nan=False)
-    target.write_text(text + "\n", encoding="utf-8")
+    write_text(target, text + "\n")
     return target
 
 
@@ -88,11 +89,12 @@ def read_parameters(path: str | os.PathLike[str]) -> Parameters:
     Raises:
         ConfigError: If the file is missing, is none of parameters, or lacks one.
     """
+    text = read_text(path, what="parameters", error=ConfigError)
     try:
-        document = json.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        msg = f"cannot read parameters from {os.fspath(path)}: {reason}"
+        # as numbers of Python, integers of any length would take any time
+        document = json.loads(text, object_pairs_hook=_object, parse_int=float)
+    except (ValueError, RecursionError) as error:
+        msg = f"cannot read parameters from {os.fspath(path)}: {error}"
         raise ConfigError(msg) from error
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         msg = f"{os.fspath(path)} is not a file of parameters: no 'format': {FORMAT!r}"
@@ -108,17 +110,25 @@ def _checked(path: str, given: Any) -> Parameters:
         raise ConfigError(msg)
     alpha = given["alpha"]
     if not (isinstance(alpha, list) and alpha and all(map(_is_number, alpha))):
-        msg = f"{path}: alpha = {alpha!r}; allowed: a list of finite numbers"
+        msg = f"{path}: alpha = {quoted(alpha)}; allowed: a list of finite numbers"
         raise ConfigError(msg)
     for name in fields - {"alpha"}:
         if not _is_number(given[name]):
-            msg = f"{path}: {name} = {given[name]!r}; allowed: a finite number"
+            msg = f"{path}: {name} = {quoted(given[name])}; allowed: a finite number"
             raise ConfigError(msg)
-    numbers = {name: float(given[name]) for name in fields - {"alpha"}}
-    return Parameters(alpha=tuple(map(float, alpha)), **numbers)
+    return Parameters(**{**given, "alpha": tuple(alpha)})
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Returns an object of a JSON file; ValueError if a key is there twice."""
+    found: dict[str, Any] = {}
+    for name, value in pairs:
+        if name in found:
+            raise ValueError(f"{quoted(name)} is there twice")
+        found[name] = value
+    return found
 
 
 def _is_number(value: Any) -> bool:
-    """Whether a value of a JSON file is a finite number."""
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and math.isfinite(value)
+    """Whether a value is a finite number; integers are read as float."""
+    return isinstance(value, float) and math.isfinite(value)

@@ -17,6 +17,9 @@ from mujoco_impact.errors import ShotsError
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
+MOST_BALLS = 100
+"""Longest row of a file; a calibration fits a number for every contact."""
+
 UNIT_TOLERANCE = 1e-3
 """How far the length of a direction may be from 1: three printed decimals."""
 

@@ -12,6 +12,7 @@ For n balls, i from 1 to n, and contacts k from 1 to n - 1, in any order of colu
 from __future__ import annotations
 
 import csv
+import io
 import math
 import os
 import re
@@ -20,12 +21,16 @@ from pathlib import Path
 
 import numpy as np
 
-from mujoco_impact.calibration.shots import Array, Shots
+from mujoco_impact.calibration.shots import MOST_BALLS, Array, Shots
 from mujoco_impact.errors import ShotsError
+from mujoco_impact.files import quoted, read_text, replacing
 
 _AXES = "xyz"
 _HEADING = re.compile(r"^\s*(\w+)\s*(?:\[([^\]]*)\])?\s*$")
-_MASS = re.compile(r"^m([1-9]\d*)$")
+_MASS = re.compile(r"^m[1-9][0-9]*$")
+
+_MOST_SHOWN = 10
+"""Most headings that a message lists."""
 
 
 def columns(balls: int) -> dict[str, str]:
@@ -54,7 +59,10 @@ def write_shots(shots: Shots, path: str | os.PathLike[str]) -> Path:
     masses = np.broadcast_to(shots.masses, (shots.count, len(shots.masses)))
     blocks = [masses, shots.before, shots.after, shots.directions]
     numbers = np.hstack([block.reshape(shots.count, -1) for block in blocks])
-    with target.open("w", newline="", encoding="utf-8") as file:
+    with (
+        replacing(target) as part,
+        part.open("w", newline="", encoding="utf-8") as file,
+    ):
         writer = csv.writer(file)
         writer.writerow(["shot", *(f"{name} [{unit}]" for name, unit in units.items())])
         for shot, row in enumerate(numbers.tolist(), start=1):
@@ -72,16 +80,16 @@ def read_shots(path: str | os.PathLike[str]) -> Shots:
         The shots.
 
     Raises:
-        ShotsError: If the file is missing, or a column, unit or number is not what the
+        ShotsError: If the file is missing, larger than `files.LARGEST_TEXT` or of more
+            than `MOST_BALLS` balls, or a column, unit or number is not what the
             format asks for; the message names line and column.
     """
     source = Path(path)
+    text = read_text(source, what="shots", error=ShotsError)
     try:
-        with source.open(newline="", encoding="utf-8-sig") as file:
-            lines = list(csv.reader(file, strict=True))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise ShotsError(f"cannot read shots from {source}: {reason}") from error
+        lines = list(csv.reader(io.StringIO(text, newline=""), strict=True))
+    except csv.Error as error:
+        raise ShotsError(f"cannot read shots from {source}: {error}") from error
     if not lines or not any(cell.strip() for cell in lines[0]):
         raise ShotsError(
             f"{source} is empty; line 1 must be headings such as 'm1 [kg]'"
@@ -96,6 +104,10 @@ def read_shots(path: str | os.PathLike[str]) -> Shots:
 
 def _checked_headings(source: Path, headings: Sequence[str]) -> list[str]:
     """Returns the names of the columns; ShotsError if one is wrong or missing."""
+    most = 1 + len(columns(MOST_BALLS))
+    if len(headings) > most:
+        msg = f"{source}, line 1: {len(headings)} columns, the first {_list(headings)}"
+        raise ShotsError(f"{msg}; allowed: {most}, for {MOST_BALLS} balls")
     found: dict[str, str | None] = {}
     for position, heading in enumerate(headings, start=1):
         match = _HEADING.match(heading)
@@ -103,31 +115,36 @@ def _checked_headings(source: Path, headings: Sequence[str]) -> list[str]:
         if match is None or name in found:
             problem = "twice" if match else "not 'name [unit]'"
             raise ShotsError(
-                f"{source}, line 1, column {position}: {heading!r} is {problem}"
+                f"{source}, line 1, column {position}: {quoted(heading)} is {problem}"
             )
         found[name] = match.group(2)
-    balls = max(
-        (int(m.group(1)) for name in found if (m := _MASS.match(name))), default=0
-    )
-    if balls < 2:
-        msg = f"{source}, line 1: columns 'm1 [kg]', 'm2 [kg]', ... for 2 or more balls"
-        raise ShotsError(f"{msg} are needed; found {', '.join(map(repr, headings))}")
+    # as many balls as masses: a number in a heading may claim any number of them
+    balls = sum(1 for name in found if _MASS.match(name))
+    if not 2 <= balls <= MOST_BALLS:
+        msg = f"{source}, line 1: columns 'm1 [kg]', 'm2 [kg]', ... for 2 to "
+        raise ShotsError(f"{msg}{MOST_BALLS} balls are needed; found {_list(headings)}")
     units = columns(balls)
     for name, unit in units.items():
         if name not in found:
             msg = f"{source}, line 1: column '{name} [{unit}]' is missing"
             raise ShotsError(f"{msg} ({balls} balls)")
         if found[name] != unit:
-            given = (
-                f"the unit [{found[name]}]" if found[name] is not None else "no unit"
-            )
+            unit_found = found[name]
+            given = "no unit" if unit_found is None else f"the unit [{unit_found[:20]}]"
             msg = f"{source}, line 1, column {name!r} has {given}; allowed: [{unit}]"
             raise ShotsError(msg)
     for name in found:
         if name not in units and name != "shot":
-            msg = f"{source}, line 1: unknown column {name!r} ({balls} balls)"
-            raise ShotsError(f"{msg}; known: shot, {', '.join(units)}")
+            msg = f"{source}, line 1: unknown column {quoted(name)} "
+            raise ShotsError(f"{msg}({balls} balls); known: {_list(['shot', *units])}")
     return list(found)
+
+
+def _list(headings: Sequence[str]) -> str:
+    """Returns headings for a message, not all if there are many."""
+    shown = ", ".join(map(quoted, headings[:_MOST_SHOWN]))
+    hidden = len(headings) - _MOST_SHOWN
+    return f"{shown} and {hidden} more" if hidden > 0 else shown
 
 
 def _numbers(
@@ -150,8 +167,8 @@ def _number(source: Path, line: int, name: str, cell: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        msg = f"{source}, line {line}, column {name!r}: {cell!r} is not a finite number"
-        raise ShotsError(msg)
+        msg = f"{source}, line {line}, column {name!r}: {quoted(cell)}"
+        raise ShotsError(f"{msg} is not a finite number")
     return value
 
 
@@ -160,7 +177,8 @@ def _shots(
 ) -> Shots:
     """Returns the shots of a table; what is wrong with one is told by its line."""
     balls = sum(1 for name in names if _MASS.match(name))
-    ordered = table[:, [names.index(name) for name in columns(balls)]]
+    position = {name: index for index, name in enumerate(names)}
+    ordered = table[:, [position[name] for name in columns(balls)]]
     masses, before, after, directions = np.split(
         ordered, [balls, 4 * balls, 7 * balls], axis=1
     )

@@ -8,18 +8,22 @@ before, and the first frames after the impact.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from mujoco_impact.calibration.shots import Array, Shots
+from mujoco_impact.calibration.shots import MOST_BALLS, Array, Shots
 from mujoco_impact.errors import ShotsError
 from mujoco_impact.reference import BallLike, first_impact
 
 DEFAULT_SPEEDS = (0.3, 0.7)
 """Slowest and fastest impact [m/s]: drops of 5 to 25 mm."""
+
+MOST_SHOTS = 10_000
+"""Most shots that are made; a calibration has some ten."""
 
 IMPACT_AXIS = 2
 """Frame of the paper: x vertical, y lateral, z along the row."""
@@ -43,8 +47,8 @@ class Camera:
 
     def __post_init__(self) -> None:
         """Checks the values."""
-        if not (self.rate > 0 and self.error >= 0 and self.length > 0):
-            msg = f"{self}: rate and length must be > 0, error >= 0"
+        if not (self.rate > 0 and 0 <= self.error <= self.length < math.inf):
+            msg = f"{self}: rate must be > 0, error 0 to the length of the pendulums"
             raise ShotsError(msg)
         if self.frames < 2:
             msg = f"frames = {self.frames}; allowed: 2 or more, to see a velocity"
@@ -120,12 +124,16 @@ def synthetic_shots(
         ShotsError: If an argument is out of range.
     """
     low, high = speeds
-    if count < 1 or not 0 < low <= high or velocity_noise < 0:
+    noisy = 0 <= velocity_noise < math.inf
+    if not (1 <= count <= MOST_SHOTS and 0 < low <= high < math.inf and noisy):
         msg = (
             f"count = {count}, speeds = {speeds}, velocity_noise = {velocity_noise}; "
-            "needed: count >= 1, 0 < slowest <= fastest [m/s], velocity_noise >= 0"
+            f"needed: count 1 to {MOST_SHOTS}, 0 < slowest <= fastest [m/s], "
+            "velocity_noise >= 0"
         )
         raise ShotsError(msg)
+    if len(balls) > MOST_BALLS:
+        raise ShotsError(f"{len(balls)} balls; allowed: 2 to {MOST_BALLS}")
     truth = hertz_truth(balls, restitution=restitution)
     speed = np.linspace(low, high, count)
     before = np.zeros((count, len(balls), 3))

@@ -14,7 +14,9 @@ from mujoco_impact.cli.options import JsonOption
 from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
 from mujoco_impact.errors import ConfigError
 
-SeedOption = Annotated[int, typer.Option(help="Seed of all randomness.")]
+SeedOption = Annotated[
+    int, typer.Option(min=0, max=2**32 - 1, help="Seed of all randomness.")
+]
 
 IMBALANCE = 0.1
 """More than this and the rows are hardly those of one impact."""

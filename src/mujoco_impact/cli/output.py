@@ -6,7 +6,6 @@ import contextlib
 import json
 import sys
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import typer
@@ -14,7 +13,10 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn
 
 import cradle_models
+from mujoco_impact.cli.console import PlainConsole
 from mujoco_impact.errors import ImpactError
+from mujoco_impact.files import write_text
+from mujoco_impact.printable import printable
 
 USER_ERROR = 2
 """Exit code when the input or the installation is to blame."""
@@ -26,21 +28,22 @@ def clean_errors() -> Iterator[None]:
     try:
         yield
     except (ImpactError, cradle_models.CradleModelError, ValueError, OSError) as error:
-        typer.echo(f"mujoco-impact: {' '.join(str(error).split())}", err=True)
+        text = printable(" ".join(str(error).split()))
+        typer.echo(f"mujoco-impact: {text}", err=True)
         raise typer.Exit(USER_ERROR) from error
 
 
 def console_of(json_file: str | None) -> Console:
     """Returns where people read: standard error if standard output is JSON."""
     # no markup: headings and names may hold brackets
-    return Console(stderr=json_file == "-", highlight=False, markup=False)
+    return PlainConsole(stderr=json_file == "-", highlight=False, markup=False)
 
 
 @contextlib.contextmanager
 def progress(json_file: str | None) -> Iterator[Callable[[str], None]]:
     """Shows what is going on, on a terminal only; yields a function to tell it."""
     columns = (SpinnerColumn(), TextColumn("{task.description}"))
-    console = Console(stderr=True)
+    console = PlainConsole(stderr=True)
     hidden = not console.is_terminal or json_file == "-"
     with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
         task = bar.add_task("starting")
@@ -55,4 +58,4 @@ def write_json(json_file: str | None, document: dict[str, Any]) -> None:
     if json_file == "-":
         sys.stdout.write(text)
     else:
-        Path(json_file).write_text(text, encoding="utf-8")
+        write_text(json_file, text)

@@ -11,6 +11,7 @@ from rich.table import Table
 
 from mujoco_impact.cli.options import JsonOption
 from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
+from mujoco_impact.files import write_text
 
 if TYPE_CHECKING:
     from mujoco_impact.paper.force_sensor import Series
@@ -30,7 +31,7 @@ def paper(
             found = results.paper_results(report)
         write_json(json_file, found.to_dict())
         if out is not None:
-            out.write_text(sheets.markdown(found), encoding="utf-8")
+            write_text(out, sheets.markdown(found))
         console = console_of(json_file)
         for sheet in sheets.sheets(found):
             table = Table(title=sheet.title, box=None)

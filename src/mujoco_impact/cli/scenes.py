@@ -13,6 +13,7 @@ from mujoco_impact.cli.options import START_KEYFRAME
 from mujoco_impact.errors import ConfigError, SceneError
 from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.scene import attach
+from mujoco_impact.settings import attributes
 from mujoco_impact.source import read_spec
 
 
@@ -67,6 +68,8 @@ def parsed_settings(
             msg = f"--set {setting!r}: must be KEY=VALUE, such as restitution=0.9"
             raise ConfigError(msg)
         parsed[key.strip()] = value.strip()
+    # other arguments of `attach` are no settings
+    attributes(parsed)
     return parsed
 
 

@@ -13,6 +13,7 @@ from mujoco_impact.cli.options import JsonOption, KeyframeOption, SetOption
 from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
 from mujoco_impact.cli.scenes import model_path, parsed_settings, start_keyframe
 from mujoco_impact.errors import ConfigError
+from mujoco_impact.files import write_text
 from mujoco_impact.source import read_spec
 
 if TYPE_CHECKING:
@@ -35,17 +36,21 @@ def stress(
     family: Annotated[
         str, typer.Option(help="Kind of random scenes: balls or shapes.")
     ] = "balls",
-    cases: Annotated[int, typer.Option(help="Random scenes to judge.")] = 100,
-    first: Annotated[int, typer.Option(help="Seed of the first random scene.")] = 0,
+    cases: Annotated[int, typer.Option(min=1, help="Random scenes to judge.")] = 100,
+    first: Annotated[
+        int, typer.Option(min=0, help="Seed of the first random scene.")
+    ] = 0,
     seed: Annotated[
         int | None,
-        typer.Option(help="Only the random scene of this seed, and what broke in it."),
+        typer.Option(
+            min=0, help="Only the random scene of this seed, and what broke in it."
+        ),
     ] = None,
     shrink: Annotated[
         bool,
         typer.Option("--shrink", help="With --seed: also the simplest that breaks."),
     ] = False,
-    processes: Annotated[int, typer.Option(help="Scenes to run at a time.")] = 1,
+    processes: Annotated[int, typer.Option(min=1, help="Scenes to run at a time.")] = 1,
     ours_only: Annotated[
         bool, typer.Option("--ours-only", help="Leave MuJoCo's own contacts out.")
     ] = False,
@@ -126,7 +131,7 @@ def _sweep(
     if out is not None:
         # the other families keep what they have in the report
         report = out.read_text(encoding="utf-8") if out.exists() else ""
-        out.write_text(markdown.update(report, family, text), encoding="utf-8")
+        write_text(out, markdown.update(report, family, text))
         console.out(f"report: {out}")
     else:
         console.out(text)
@@ -195,7 +200,7 @@ def _stress_model(
     console = console_of(json_file)
     text = markdown.findings_table(findings)
     if out is not None:
-        out.write_text(f"# Stress report of {path.name}\n\n{text}", encoding="utf-8")
+        write_text(out, f"# Stress report of {path.name}\n\n{text}")
         console.out(f"report: {out}")
     else:
         console.out(text)

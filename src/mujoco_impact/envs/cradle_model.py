@@ -11,7 +11,8 @@ import cradle_models
 from mujoco_impact.errors import ConfigError
 from mujoco_impact.scene import attach
 from mujoco_impact.settings import Setting
-from mujoco_impact.source import compile_spec, read_spec
+from mujoco_impact.source import read_spec
+from mujoco_impact.specifications import compile_spec
 
 Contacts = Literal["impact", "mujoco"]
 """Whose contacts the balls have: this package's, or MuJoCo's own."""

@@ -12,7 +12,7 @@ from mujoco_impact.envs.extras import require
 from mujoco_impact.errors import SceneError
 from mujoco_impact.scene import attach
 from mujoco_impact.settings import Setting, attributes
-from mujoco_impact.source import one_line
+from mujoco_impact.specifications import one_line
 
 mjcf: Any = require("dm_control.mjcf")
 

@@ -19,7 +19,7 @@ from mujoco_impact.envs.tasks import DOMAIN
 from mujoco_impact.errors import SceneError
 from mujoco_impact.scene import attach
 from mujoco_impact.settings import Setting
-from mujoco_impact.source import compile_spec, one_line
+from mujoco_impact.specifications import compile_spec, one_line
 
 dm_suite: Any = require("dm_control.suite")
 engine: Any = require("dm_control.mujoco.engine")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mujoco_impact.errors import MissingExtraError
+from mujoco_impact.files import replacing
 from mujoco_impact.paper.force_sensor import Series
 from mujoco_impact.paper.printed import Array
 
@@ -54,7 +55,8 @@ def write_figures(
     figures = (waveform_figure(series), impulse_figure(series))
     for path, figure in zip(paths, figures, strict=True):
         # without the version that would change the file every time
-        figure.savefig(path, dpi=110, metadata={"Software": None})
+        with replacing(path) as part:
+            figure.savefig(part, dpi=110, metadata={"Software": None})
     return paths
 
 

@@ -10,12 +10,14 @@ import mujoco
 import numpy as np
 
 from mujoco_impact.errors import SceneError
+from mujoco_impact.limits import check_recording
 from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.pulses import PulseReader
 from mujoco_impact.runner import collected_warnings, initial_data, step_count
 from mujoco_impact.scene import attach
 from mujoco_impact.settings import Setting
-from mujoco_impact.source import Source, compile_spec, read_spec
+from mujoco_impact.source import Source, read_spec
+from mujoco_impact.specifications import compile_spec, copy_spec
 from mujoco_impact.stress.case import INTEGRATORS
 from mujoco_impact.trajectory import Array
 
@@ -122,7 +124,7 @@ def variations(
     spec: mujoco.MjSpec, keyframe: str | int | None = None
 ) -> tuple[Variation, ...]:
     """Returns the ways in which a scene is run."""
-    start = initial_data(compile_spec(spec.copy()), keyframe=keyframe)
+    start = initial_data(compile_spec(copy_spec(spec)), keyframe=keyframe)
     ways = [Variation("as it is")]
     ways += [Variation(f"timestep x {f:g}", timestep=f) for f in TIMESTEPS]
     ways += [Variation(f"integrator {name}", integrator=name) for name in INTEGRATORS]
@@ -141,7 +143,7 @@ def _varied(
     spec: mujoco.MjSpec, variation: Variation, settings: Mapping[str, Setting]
 ) -> mujoco.MjSpec:
     """Returns the scene of a variation, with the plugin."""
-    varied = spec.copy()
+    varied = copy_spec(spec)
     varied.option.timestep = spec.option.timestep * variation.timestep
     if variation.integrator is not None:
         varied.option.integrator = _INTEGRATORS[variation.integrator]
@@ -205,10 +207,14 @@ class _Watch:
         # an owned geom is seen from its gap and margin on
         sight = model.geom_gap[geoms] + model.geom_margin[geoms]
         self._sight = np.maximum(sight, 1e-300)
+        steps = step_count(model, duration)
+        check_recording(steps, 2)
+        energy = np.empty((steps, 2))
         with collected_warnings() as messages:
-            energy = [self._step() for _ in range(step_count(model, duration))]
+            for step in range(steps):
+                energy[step] = self._step()
         self.warnings = tuple(messages)
-        total, kinetic = np.array(energy).sum(axis=1), np.array(energy)[:, 1]
+        total, kinetic = energy.sum(axis=1), energy[:, 1]
         largest = float(kinetic.max())
         self.energy_change = (
             float(total[-1] - total[0]) / largest if largest > 0 else 0.0
