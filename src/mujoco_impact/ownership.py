@@ -21,6 +21,10 @@ GAP_SIZE_FRACTION = 0.5
 """Smallest default gap, as a fraction of the smallest owned geom's half-width."""
 
 
+SPEED_ROOM = 1.25
+"""Gap for a closing speed, over the way of one step: bodies gain speed meanwhile."""
+
+
 def select_geoms(spec: mujoco.MjSpec, names: Iterable[str] | None) -> tuple[str, ...]:
     """Returns the names of the geoms to own, in the order of the model or of `names`.
 
@@ -106,6 +110,11 @@ def default_gap(model: mujoco.MjModel, owned: Sequence[str]) -> float:
     size = smallest_size(model, owned)
     travel = fall_speed(model) * float(model.opt.timestep)
     return round_up(max(GAP_SIZE_FRACTION * size, travel))
+
+
+def gap_for_speed(speed: float, timestep: float) -> float:
+    """Returns the gap [m] that announces contacts closing at a speed [m/s]."""
+    return round_up(SPEED_ROOM * speed * timestep)
 
 
 def fall_speed(model: mujoco.MjModel) -> float:

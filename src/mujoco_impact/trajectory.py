@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mujoco_impact.errors import TrajectoryError
+from mujoco_impact.remarks import Remark
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
@@ -83,6 +84,8 @@ class Trajectory:
         mujoco_version: Version of MuJoCo that made the run.
         missed_impacts: Impacts that began but whose record was overwritten before it
             could be read; 0 unless a warning was given.
+        remarks: What deserves attention: missed impacts, energy from nowhere, no
+            impact at all; empty if nothing does.
     """
 
     time: Array
@@ -94,6 +97,7 @@ class Trajectory:
     integrator: str
     mujoco_version: str
     missed_impacts: int = 0
+    remarks: tuple[Remark, ...] = ()
 
     @property
     def total_energy(self) -> Array:
@@ -126,6 +130,7 @@ class Trajectory:
                 layout_version=LAYOUT_VERSION,
                 impact_numbers=numbers,
                 impact_geoms=geoms.reshape(len(self.impacts), 2),
+                remarks=_remark_texts(self.remarks),
                 **arrays,
                 **scalars,
             )
@@ -179,4 +184,14 @@ def _from_arrays(stored: dict[str, npt.NDArray[Any]]) -> Trajectory:
         integrator=str(stored["integrator"]),
         mujoco_version=str(stored["mujoco_version"]),
         missed_impacts=int(stored["missed_impacts"]),
+        # files of earlier versions have none
+        remarks=tuple(
+            Remark(str(kind), str(text)) for kind, text in stored.get("remarks", ())
+        ),
     )
+
+
+def _remark_texts(remarks: tuple[Remark, ...]) -> npt.NDArray[np.str_]:
+    """Returns kind and text of remarks as an array, shape (n, 2)."""
+    texts = [(remark.kind, remark.text) for remark in remarks]
+    return np.array(texts, dtype=np.str_).reshape(len(texts), 2)
