@@ -53,4 +53,4 @@ def flight_cause(model: mujoco.MjModel) -> str:
     )
 
 
-_FREE = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL)
+_FREE = (int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL))

@@ -100,16 +100,21 @@ def set_margins(
             pair.gap = round(count * (depth + gap), 12)
 
 
-def default_gap(model: mujoco.MjModel, owned: Sequence[str]) -> float:
+def default_gap(
+    model: mujoco.MjModel, owned: Sequence[str], *, speed: float | None = None
+) -> float:
     """Returns how early a contact of an owned geom should be seen [m].
 
     The plugin must see an impact at least one step before it happens, so the gap is
     what a body that fell through the scene travels in one step; never less than half
-    of the half-width of the smallest owned geom, for scenes without gravity.
+    of the half-width of the smallest owned geom, for scenes without gravity, and
+    enough for a closing speed [m/s] that is expected.
     """
     size = smallest_size(model, owned)
-    travel = fall_speed(model) * float(model.opt.timestep)
-    return round_up(max(GAP_SIZE_FRACTION * size, travel))
+    timestep = float(model.opt.timestep)
+    travel = max(GAP_SIZE_FRACTION * size, fall_speed(model) * timestep)
+    usual = round_up(travel)
+    return usual if speed is None else max(usual, gap_for_speed(speed, timestep))
 
 
 def gap_for_speed(speed: float, timestep: float) -> float:

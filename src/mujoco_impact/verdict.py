@@ -13,8 +13,8 @@ from mujoco_impact.step_log import StepLog
 from mujoco_impact.trajectory import Array
 
 NOTHING = (
-    "no impact: none of the geoms that the plugin owns touched anything; run longer, or "
-    "start from another state (keyframe, qpos, qvel)"
+    "no impact: none of the geoms that the plugin owns touched anything; run longer, "
+    "or start from another state (keyframe, qpos, qvel)"
 )
 """What is said of a run in which nothing touched."""
 
