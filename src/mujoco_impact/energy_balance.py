@@ -17,6 +17,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from mujoco_impact.encounters import Flags
 from mujoco_impact.free_flight import flight_cause
 from mujoco_impact.pulses import plugin_instances
 from mujoco_impact.remarks import ENERGY, Remark
@@ -133,6 +134,9 @@ class EnergyBalance:
         """Notes what is not logged."""
         if self._first:
             self._pushed = self._pushed or _is_violated(self._data)
+            # Runge-Kutta leaves the forces of its last stage: their work is not known
+            runge_kutta = self._model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+            self._judged = self._judged and not (self._pushed and runge_kutta)
             self._first = False
         if not self._controlled:
             return
@@ -169,11 +173,13 @@ class EnergyBalance:
             power=np.abs(_work(before, conservative)),
         )
 
-    def growth(self, energy: Array) -> tuple[float, str] | None:
+    def growth(self, energy: Array, quiet: Flags) -> tuple[float, str] | None:
         """Returns the growth beyond what is allowed, and its likely cause.
 
         Args:
             energy: Potential and kinetic energy of the samples [J], shape (n, 2).
+            quiet: Samples at which no pulse is under way, shape (n,): only there the
+                impacts have done all that they do.
 
         Returns:
             Growth at the worst sample, over the largest kinetic energy, and the cause
@@ -186,7 +192,7 @@ class EnergyBalance:
         sound = np.isfinite(energy[:count]).all(axis=1)
         count = count if sound.all() else int(np.argmin(sound))
         growth, allowed = self._growth(energy[:count], books[:count])
-        above = growth - allowed
+        above = np.where(quiet[:count], growth - allowed, -np.inf)
         if not above.size or above.max() <= 0.0:
             return None
         worst = int(np.argmax(above))
@@ -194,9 +200,9 @@ class EnergyBalance:
         most = float(growth[worst])
         return most / scale, self._cause(books[worst], most)
 
-    def remark(self, energy: Array) -> Remark | None:
-        """Returns what to say about the energies of the samples, None if nothing."""
-        found = self.growth(energy)
+    def remark(self, energy: Array, quiet: Flags) -> Remark | None:
+        """Returns what to say about the energies of samples, see `growth`, or None."""
+        found = self.growth(energy, quiet)
         if found is None:
             return None
         growth, cause = found

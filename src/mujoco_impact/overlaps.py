@@ -20,61 +20,72 @@ TOUCHING = 1e-9
 class Overlaps:
     """Looks for owned geoms that overlap deeper than any impact lets them."""
 
-    def __init__(self, model: mujoco.MjModel, owned: Numbers) -> None:
-        """Measures the geoms.
+    def __init__(
+        self, model: mujoco.MjModel, owned: Numbers, data: mujoco.MjData
+    ) -> None:
+        """Looks at the start.
 
         Args:
             model: The model.
             owned: Ids of the owned geoms.
+            data: The state at the start.
         """
-        self._model = model
+        self._model, self._scratch = model, mujoco.MjData(model)
         self._ours = np.zeros(model.ngeom + 1, dtype=bool)
         self._ours[owned] = True
         # geom -1 is a flex
         self._widths = np.append(half_widths(model), np.inf)
         self._least = THROUGH * float(self._widths.min())
-        self._worst = THROUGH
-        self._found: tuple[float, float, str, str] | None = None
         self.touched = False
+        self._deepest, self._found = 0.0, ("", "", 0.0, 0.0)
+        if owned.size:
+            self.look(data)
+        self._start = self._deepest
 
     def after_step(self, data: mujoco.MjData) -> None:
-        """Looks at the contacts of the state that a step has started from.
+        """Looks at the state after a step, where it may be worth while.
 
-        Deeper than a geom's depth a contact is MuJoCo's, so that its constraints tell
-        where it is worth while to look.
+        Deeper than a geom's depth a contact is MuJoCo's: its constraints tell.
         """
         if data.nefc and (not self.touched or data.efc_pos.min() < -self._least):
             self.look(data)
 
     def look(self, data: mujoco.MjData) -> None:
-        """Looks at the contacts that `data` shows."""
-        if not data.ncon:
+        """Looks at the contacts of a state.
+
+        Those that `data` holds may be of a stage of a Runge-Kutta step.
+        """
+        scratch = self._scratch
+        scratch.qpos[:] = data.qpos
+        scratch.mocap_pos[:], scratch.mocap_quat[:] = data.mocap_pos, data.mocap_quat
+        mujoco.mj_fwdPosition(self._model, scratch)
+        if not scratch.ncon:
             return
-        contact = data.contact
+        contact = scratch.contact
         distance = contact.dist
         for index in np.flatnonzero(distance <= TOUCHING):
             first, second = contact.geom[index]
             if not (self._ours[first] or self._ours[second]):
                 continue
             self.touched = True
-            part = -float(distance[index]) / self._breadth(first, second)
-            if part > self._worst:
-                self._worst = part
-                names = (geom_name(self._model, int(g)) for g in (first, second))
-                start = float(data.time) - float(self._model.opt.timestep)
-                self._found = (start, -float(distance[index]), *names)
+            depth = -float(distance[index])
+            part = depth / self._breadth(first, second)
+            if part > self._deepest:
+                names = [geom_name(self._model, int(geom)) for geom in (first, second)]
+                self._deepest = part
+                self._found = (names[0], names[1], depth, float(data.time))
 
     def remark(self) -> Remark | None:
         """Returns what to say about the deepest overlap, None if none is too deep."""
-        if self._found is None:
+        if self._deepest - self._start <= THROUGH:
             return None
-        time, depth, first, second = self._found
+        first, second, depth, time = self._found
         text = (
             f"{first!r} and {second!r} overlap by {depth:.3g} m at {time:.6g} s, "
-            f"{self._worst:.2g} of their half-widths: they pass through each other. "
-            "Likely cause: they met faster than the gap or the timestep allows, or "
-            "they start like that; cure: a smaller timestep, attach(..., speed=) for "
-            "the fastest body, another start"
+            f"{self._deepest:.2g} of their half-widths: they pass through each other; "
+            "likely cause: they met faster than the timestep, or the softness of their "
+            "pulses, allows; cure: a smaller timestep, shorter pulses, attach(..., "
+            "speed=) for the fastest body"
         )
         return Remark(PASSING, text)
 

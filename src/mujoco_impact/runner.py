@@ -200,8 +200,9 @@ class _Recorder:
 
     def warn(self, *, samples: int) -> tuple[Remark, ...]:
         """Warns of what a number of samples have to say, and returns it."""
-        impacts = len(self._pulses.impacts) + self._pulses.missed
-        remarks = self.watch.remarks(self._energy[:samples], impacts)
+        remarks = self.watch.remarks(
+            self._time[:samples], self._energy[:samples], self._pulses.impacts
+        )
         for remark in remarks:
             # that nothing touched is no fault: the list of impacts says it
             if remark.kind != NO_IMPACT:

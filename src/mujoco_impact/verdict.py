@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import mujoco
+from collections.abc import Sequence
 
-from mujoco_impact.encounters import owned_numbers
+import mujoco
+import numpy as np
+
+from mujoco_impact.encounters import Flags, owned_numbers
 from mujoco_impact.energy_balance import EnergyBalance
 from mujoco_impact.fast_bodies import FastBodies
 from mujoco_impact.overlaps import Overlaps
 from mujoco_impact.remarks import NO_IMPACT, Remark
 from mujoco_impact.step_log import StepLog
-from mujoco_impact.trajectory import Array
+from mujoco_impact.trajectory import Array, Impact
 
 NOTHING = (
     "no impact: none of the geoms that the plugin owns touched anything; run longer, "
@@ -42,7 +45,7 @@ class RunWatch:
         self._data = data
         self._owned = owned.size > 0
         self._fast = FastBodies(model, owned)
-        self._overlaps = Overlaps(model, owned)
+        self._overlaps = Overlaps(model, owned, data)
         self._balance = EnergyBalance(model, data, every=every, controlled=controlled)
         self._log = StepLog(data, (*self._balance.needs, *self._fast.needs))
 
@@ -67,16 +70,23 @@ class RunWatch:
         self._balance.count(self._log)
         self._log.start_again()
 
-    def remarks(self, energy: Array, impacts: int) -> tuple[Remark, ...]:
+    def remarks(
+        self, time: Array, energy: Array, impacts: Sequence[Impact]
+    ) -> tuple[Remark, ...]:
         """Returns what to say about the run.
 
         Args:
+            time: Times of the samples [s], shape (n,).
             energy: Potential and kinetic energy of the samples [J], shape (n, 2).
-            impacts: Number of impacts of the plugin.
+            impacts: Impacts of the plugin.
         """
         self._look()
-        self._overlaps.look(self._data)
-        fast, energy_grew = self._fast.remark(), self._balance.remark(energy)
+        if self._owned and np.isfinite(self._data.qpos).all():
+            self._overlaps.look(self._data)
+        fast, energy_grew = (
+            self._fast.remark(),
+            self._balance.remark(energy, quiet_samples(time, impacts)),
+        )
         if fast is not None:
             # it explains what else went through or was never struck
             found = [fast, energy_grew]
@@ -85,3 +95,15 @@ class RunWatch:
             if self._owned and not impacts and not self._overlaps.touched:
                 found.append(Remark(NO_IMPACT, NOTHING))
         return tuple(remark for remark in found if remark is not None)
+
+
+def quiet_samples(time: Array, impacts: Sequence[Impact]) -> Flags:
+    """Returns at which samples no pulse is under way, shape (n,)."""
+    busy = np.zeros(len(time) + 1, dtype=np.int64)
+    begin = np.array([impact.time for impact in impacts])
+    length = np.array([impact.duration for impact in impacts])
+    # the state of a step holds what the step delivered of pulses that began in it
+    np.add.at(busy, np.searchsorted(time, begin, side="right"), 1)
+    np.add.at(busy, np.searchsorted(time, begin + length, side="left"), -1)
+    quiet: Flags = np.cumsum(busy)[:-1] == 0
+    return quiet
