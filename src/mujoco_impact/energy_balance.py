@@ -135,8 +135,9 @@ class EnergyBalance:
         if self._first:
             self._pushed = self._pushed or _is_violated(self._data)
             # Runge-Kutta leaves the forces of its last stage: their work is not known
+            varying = self._pushed or self._outside
             runge_kutta = self._model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
-            self._judged = self._judged and not (self._pushed and runge_kutta)
+            self._judged = self._judged and not (runge_kutta and varying)
             self._first = False
         if not self._controlled:
             return
@@ -170,7 +171,9 @@ class EnergyBalance:
             given=sum((np.maximum(0.0, work) for work in given), none),
             impacts=impacts,
             held=held,
-            power=np.abs(_work(before, conservative)),
+            power=np.maximum(
+                *(np.abs(_work(velocity, conservative)) for velocity in (before, after))
+            ),
         )
 
     def growth(self, energy: Array, quiet: Flags) -> tuple[float, str] | None:
