@@ -9,6 +9,7 @@ import mujoco
 
 from mujoco_impact import law
 from mujoco_impact._plugin import PLUGIN_NAME
+from mujoco_impact.blind_sensors import warn_of_blind_sensors
 from mujoco_impact.errors import ConfigError, SceneError
 from mujoco_impact.ownership import (
     default_gap,
@@ -53,7 +54,8 @@ def attach(
     Adds a plugin instance with its settings, a `<tuple>` of the owned geoms and a
     sensor (all three called `name`), and gives the owned geoms a negative margin, so
     that MuJoCo detects their contacts and leaves them out of its solver. Impulses act
-    along the normal, unless `friction="paper"` is set.
+    along the normal, unless `friction="paper"` is set. Warns (`ImpactWarning`) of
+    MuJoCo's sensors that do not see these impacts.
 
     Args:
         source: Path of a model file, XML text, or a specification (not changed).
@@ -109,6 +111,7 @@ def attach(
         gap=default_gap(model, owned, speed=speed) if gap is None else gap,
         depth=_default_depth(model, owned, config) if depth is None else depth,
     )
+    warn_of_blind_sensors(model, owned)
     return spec
 
 
@@ -127,7 +130,9 @@ def detach(source: Source) -> mujoco.MjSpec:
     spec = read_spec(source)
     owned = owned_geoms(spec)
     for sensor in spec.sensors:
-        if sensor.plugin.active and sensor.plugin.plugin_name == PLUGIN_NAME:
+        # MJCF may name the instance alone, and the plugin of it only there
+        ours = PLUGIN_NAME == sensor.plugin.plugin_name or sensor.plugin.name in owned
+        if sensor.plugin.active and ours:
             spec.delete(sensor)
     for element in spec.tuples:
         if element.name in owned:
