@@ -131,7 +131,7 @@ def detach(source: Source) -> mujoco.MjSpec:
     owned = owned_geoms(spec)
     for sensor in spec.sensors:
         # MJCF may name the instance alone, and the plugin of it only there
-        ours = PLUGIN_NAME == sensor.plugin.plugin_name or sensor.plugin.name in owned
+        ours = sensor.plugin.plugin_name == PLUGIN_NAME or sensor.plugin.name in owned
         if sensor.plugin.active and ours:
             spec.delete(sensor)
     for element in spec.tuples:
