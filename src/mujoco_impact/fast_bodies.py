@@ -22,6 +22,9 @@ from mujoco_impact.trajectory import Array
 MOST_PAIRS = 16
 """Pairs looked at closely in one step, nearest first."""
 
+MOST_STATES = 500
+"""States of a rollout looked at closely in one call of MuJoCo: some milliseconds."""
+
 
 @dataclasses.dataclass(frozen=True)
 class Approach:
@@ -84,21 +87,32 @@ class FastBodies:
         """Looks at the logged steps."""
         if not self._watched.size:
             return
-        ways = self._ways(log)
+        ways = self._ways(log["cvel"], log["geom_xpos"], log["subtree_com"])
         # no two of them come nearer in a step than any of them sees
         fast = np.flatnonzero(2.0 * ways.max(axis=1) > self._slack)
         if not fast.size:
             return
         qpos, qvel = log.before("qpos"), log.before("qvel")
         for step in fast:
-            data = self._scratch
-            data.qpos[:], data.qvel[:] = qpos[step], qvel[step]
             for name in self._mocap:
-                getattr(data, name)[:] = log[name][step]
-            for stage in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel):
-                stage(self._model, data)
-            data.time = log.start + int(step) * float(self._model.opt.timestep)
-            self._look_closely(data, ways[step])
+                getattr(self._scratch, name)[:] = log[name][step]
+            time = log.start + int(step) * float(self._model.opt.timestep)
+            self._look_from(qpos[step], qvel[step], time)
+
+    def look_at_fastest(self, time: Array, qpos: Array, qvel: Array) -> None:
+        """Looks at the steps from the fastest of many states.
+
+        Args:
+            time: Their times [s], shape (n,).
+            qpos: Positions, shape (n, nq).
+            qvel: Velocities, shape (n, nv).
+        """
+        if not self._watched.size:
+            return
+        score = np.abs(qvel) @ self._levers()
+        fast = np.flatnonzero(2.0 * score * self._model.opt.timestep > self._slack)
+        for index in fast[np.argsort(-score[fast])[:MOST_STATES]]:
+            self._look_from(qpos[index], qvel[index], float(time[index]))
 
     def remark(self) -> Remark | None:
         """Returns what to say about the fastest approach, None if there is none."""
@@ -118,16 +132,48 @@ class FastBodies:
         )
         return Remark(FAST, text)
 
-    def _ways(self, log: StepLog) -> Array:
-        """Returns at most how far each watched surface moves, shape (steps, n) [m]."""
-        velocity = log["cvel"][:, self._bodies]
-        arm = log["geom_xpos"][:, self._watched] - log["subtree_com"][:, self._roots]
+    def _levers(self) -> Array:
+        """Returns how far a unit of each velocity can move something [m], (nv,)."""
+        model = self._model
+        levers = np.full(model.nv, float(model.stat.extent))
+        linear = model.jnt_type == int(mujoco.mjtJoint.mjJNT_SLIDE)
+        levers[model.jnt_dofadr[linear]] = 1.0
+        for joint in np.flatnonzero(model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)):
+            first = int(model.jnt_dofadr[joint])
+            levers[first : first + 3] = 1.0
+            # a free body that carries nothing turns about itself
+            body = int(model.jnt_bodyid[joint])
+            if not np.any(model.body_parentid == body):
+                own = np.flatnonzero(model.geom_bodyid == body)
+                arms = np.linalg.norm(model.geom_pos[own], axis=1) + self._extent[own]
+                levers[first + 3 : first + 6] = arms.max(initial=0.0)
+        return levers
+
+    def _ways(self, cvel: Array, position: Array, centre: Array) -> Array:
+        """Returns at most how far each watched surface moves in a step [m].
+
+        Args:
+            cvel: As in `mjData`, shape (steps, nbody, 6).
+            position: `geom_xpos`, shape (steps, ngeom, 3).
+            centre: `subtree_com`, shape (steps, nbody, 3).
+        """
+        velocity = cvel[:, self._bodies]
+        arm = position[:, self._watched] - centre[:, self._roots]
         spin, speed, lever = (
             np.sqrt(np.einsum("kij,kij->ki", vector, vector))
             for vector in (velocity[..., :3], velocity[..., 3:], arm)
         )
         ways: Array = speed + spin * (lever + self._extent[self._watched])
         return ways * float(self._model.opt.timestep)
+
+    def _look_from(self, qpos: Array, qvel: Array, time: float) -> None:
+        """Looks at the step from one state."""
+        data = self._scratch
+        data.qpos[:], data.qvel[:], data.time = qpos, qvel, time
+        for stage in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel):
+            stage(self._model, data)
+        ways = self._ways(data.cvel[None], data.geom_xpos[None], data.subtree_com[None])
+        self._look_closely(data, ways[0])
 
     def _look_closely(self, data: mujoco.MjData, ways: Array) -> None:
         """Looks at the pairs that may meet within the step."""
