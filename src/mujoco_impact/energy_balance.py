@@ -18,7 +18,7 @@ import mujoco
 import numpy as np
 
 from mujoco_impact.encounters import Flags
-from mujoco_impact.free_flight import flight_cause
+from mujoco_impact.free_flight import flight_cause, tumbling_bodies
 from mujoco_impact.pulses import plugin_instances
 from mujoco_impact.remarks import ENERGY, Remark
 from mujoco_impact.step_log import StepLog
@@ -136,7 +136,7 @@ class EnergyBalance:
             self._pushed = self._pushed or _is_violated(self._data)
             # Runge-Kutta leaves the forces of its last stage: their work is not known
             varying = self._pushed or self._outside
-            runge_kutta = self._model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+            runge_kutta = self._model.opt.integrator == _RK4
             self._judged = self._judged and not (runge_kutta and varying)
             self._first = False
         if not self._controlled:
@@ -238,9 +238,14 @@ class EnergyBalance:
                 "fastest body"
             )
         if impacts > rest:
+            # the turn of a body within the step of an impact is first order in it
+            tumbling = self._model.opt.integrator != _RK4 and tumbling_bodies(
+                self._model
+            )
             return (
                 'the impacts added it; cure: passive="true" if it is switched off, a '
-                "smaller timestep, or a larger gap"
+                "smaller timestep"
+                + (', or integrator="RK4" for bodies that tumble' if tumbling else "")
             )
         return flight_cause(self._model) or (
             "the integrator at a timestep of "
@@ -249,6 +254,7 @@ class EnergyBalance:
 
 
 _GIVEN, _IMPACTS, _HELD, _POWER = range(4)
+_RK4 = int(mujoco.mjtIntegrator.mjINT_RK4)
 
 
 def _work(way: Array, force: Array) -> Array:

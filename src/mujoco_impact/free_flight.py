@@ -48,7 +48,7 @@ def flight_cause(model: mujoco.MjModel) -> str:
     )
     return (
         f"MuJoCo's Euler integrator adds energy to the free rotation of {shown}; cure: "
-        'integrator="implicitfast" (loses some) or "RK4" (keeps it), or a smaller '
+        'integrator="RK4" (keeps it) or "implicitfast" (loses as much), or a smaller '
         "timestep"
     )
 

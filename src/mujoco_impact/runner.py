@@ -91,7 +91,8 @@ def run(
                 recorder.watch.after_controller()
             mujoco.mj_step(compiled, data)
             if messages:
-                recorder.warn(samples=step // every + 1)
+                # this step has not left the energy of its start
+                recorder.warn(samples=-(-step // every))
                 raise _simulation_error(messages, step * compiled.opt.timestep)
             recorder.after_step(step, every)
             if progress is not None and step % max(1, steps // PROGRESS_CALLS) == 0:

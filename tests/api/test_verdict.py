@@ -203,6 +203,21 @@ def test_a_run_that_diverges_still_says_why() -> None:
     assert any("free rotation of 'die'" in str(one.message) for one in caught)
 
 
+def test_a_run_that_breaks_off_is_judged_by_what_it_has() -> None:
+    """A pendulum of negative energy, and a force beyond all bounds: no false alarm."""
+
+    def push(_: mujoco.MjModel, data: mujoco.MjData) -> None:
+        data.qfrc_applied[0] = 1e30 if data.time > 0.1 else 0.0
+
+    with pytest.raises(SimulationError):
+        run(
+            attach(cradle_models.model_path("row_3")),
+            duration=0.5,
+            keyframe="release",
+            controller=push,
+        )
+
+
 def test_impacts_that_add_energy_are_blamed_themselves() -> None:
     """The paper's equations as printed, without the guard of passivity."""
     scene = attach(
