@@ -14,11 +14,13 @@ is allowed.
 
 from __future__ import annotations
 
+import dataclasses
+
 import mujoco
 import numpy as np
 
 from mujoco_impact.encounters import Flags
-from mujoco_impact.free_flight import flight_cause, tumbling_bodies
+from mujoco_impact.free_flight import FreeRotation
 from mujoco_impact.pulses import plugin_instances
 from mujoco_impact.remarks import ENERGY, Remark
 from mujoco_impact.step_log import StepLog
@@ -35,15 +37,17 @@ TOUCHING = 1e-9
 
 
 class _Books:
-    """Sums up to each sample: four numbers, see `add`."""
+    """Sums up to each sample: five numbers, see `add`."""
 
     def __init__(self, every: int) -> None:
         """Starts with nothing; a sample is taken after each `every` steps."""
         self._every, self._steps = every, 0
-        self._last = np.zeros(4)
-        self._samples = [np.zeros((1, 4))]
+        self._last = np.zeros(5)
+        self._samples = [np.zeros((1, 5))]
 
-    def add(self, given: Array, impacts: Array, held: Array, power: Array) -> None:
+    def add(
+        self, given: Array, impacts: Array, held: Array, flight: Array, power: Array
+    ) -> None:
         """Adds what single steps brought.
 
         Args:
@@ -51,22 +55,46 @@ class _Books:
                 [J], shape (steps,).
             impacts: Work of the plugin [J], shape (steps,).
             held: Work of MuJoCo's contacts, limits and ties [J], shape (steps,).
+            flight: What Euler adds to free rotations [J], shape (steps,).
             power: Power of gravity and springs [W], shape (steps,); the largest is
                 kept, not the sum.
         """
-        sums = np.cumsum([given, impacts, held], axis=1)
+        sums = np.cumsum([given, impacts, held, flight], axis=1)
         rows = np.column_stack([*sums, np.maximum.accumulate(power)])
-        rows[:, :3] += self._last[:3]
-        rows[:, 3] = np.maximum(rows[:, 3], self._last[3])
+        rows[:, :_POWER] += self._last[:_POWER]
+        rows[:, _POWER] = np.maximum(rows[:, _POWER], self._last[_POWER])
         ends = np.arange(self._steps + 1, self._steps + 1 + len(rows))
         self._samples.append(rows[ends % self._every == 0])
         self._steps += len(rows)
         self._last = rows[-1]
 
     def samples(self) -> Array:
-        """Returns the sums at the samples, shape (n, 4), in the order of `add`."""
+        """Returns the sums at the samples, shape (n, 5), in the order of `add`."""
         self._samples = [np.concatenate(self._samples)]
         return self._samples[0]
+
+
+@dataclasses.dataclass(frozen=True)
+class Growth:
+    """Energy that came from nowhere.
+
+    Attributes:
+        part: Of the largest kinetic energy, at the worst sample.
+        since: Number of the first sample that has too much.
+        cause: The likely cause, and the cure.
+    """
+
+    part: float
+    since: int
+    cause: str
+
+    def remark(self) -> Remark:
+        """Returns what to say about it."""
+        text = (
+            f"energy grew by {self.part:.2g} of the largest kinetic energy, beyond the "
+            f"work of forces; likely cause: {self.cause}"
+        )
+        return Remark(ENERGY, text)
 
 
 class EnergyBalance:
@@ -120,6 +148,8 @@ class EnergyBalance:
             *("qfrc_bias", "qfrc_constraint"),
             *{*self._passive, *self._outside, *self._plugin},
         )
+        self._rotation = FreeRotation(model)
+        self._is_euler = model.opt.integrator == _EULER
         self._controlled = controlled
         self._applied: list[float] = []
         self._state: Array = np.concatenate([data.qpos, data.qvel])
@@ -171,12 +201,13 @@ class EnergyBalance:
             given=sum((np.maximum(0.0, work) for work in given), none),
             impacts=impacts,
             held=held,
+            flight=self._rotation.gain(before) if self._is_euler else none,
             power=np.maximum(
                 *(np.abs(_work(velocity, conservative)) for velocity in (before, after))
             ),
         )
 
-    def growth(self, energy: Array, quiet: Flags) -> tuple[float, str] | None:
+    def growth(self, energy: Array, quiet: Flags) -> Growth | None:
         """Returns the growth beyond what is allowed, and its likely cause.
 
         Args:
@@ -185,8 +216,7 @@ class EnergyBalance:
                 impacts have done all that they do.
 
         Returns:
-            Growth at the worst sample, over the largest kinetic energy, and the cause
-            with its cure; None if energy did not grow, or if nothing can be said.
+            None if energy did not grow, or if nothing can be said.
         """
         books = self._books.samples()
         count = min(len(energy), len(books))
@@ -201,19 +231,8 @@ class EnergyBalance:
         worst = int(np.argmax(above))
         scale = max(float(energy[: worst + 1, 1].max()), 1e-300)
         most = float(growth[worst])
-        return most / scale, self._cause(books[worst], most)
-
-    def remark(self, energy: Array, quiet: Flags) -> Remark | None:
-        """Returns what to say about the energies of samples, see `growth`, or None."""
-        found = self.growth(energy, quiet)
-        if found is None:
-            return None
-        growth, cause = found
-        text = (
-            f"energy grew by {growth:.2g} of the largest kinetic energy, beyond the "
-            f"work of forces; likely cause: {cause}"
-        )
-        return Remark(ENERGY, text)
+        since = int(np.argmax(above > 0.0))
+        return Growth(most / scale, since, self._cause(books[worst], most))
 
     def _growth(self, energy: Array, books: Array) -> tuple[Array, Array]:
         """Returns growth and what of it is allowed in each sample [J], shape (n,)."""
@@ -238,22 +257,25 @@ class EnergyBalance:
                 "fastest body"
             )
         if impacts > rest:
-            # the turn of a body within the step of an impact is first order in it
-            tumbling = self._model.opt.integrator != _RK4 and tumbling_bodies(
-                self._model
-            )
+            # what a body turns within the step of an impact is left out
+            tumbling = self._rotation.names and self._model.opt.integrator != _RK4
             return (
                 'the impacts added it; cure: passive="true" if it is switched off, a '
                 "smaller timestep"
                 + (', or integrator="RK4" for bodies that tumble' if tumbling else "")
             )
-        return flight_cause(self._model) or (
+        # half of it, for a tumbling body is not all that Euler drives up
+        tumbles = self._is_euler and self._rotation.names
+        if tumbles and (books[_FLIGHT] > rest / 2 or not self._rotation.known):
+            return self._rotation.cause()
+        return (
             "the integrator at a timestep of "
             f"{float(self._model.opt.timestep):g} s; cure: a smaller timestep"
         )
 
 
-_GIVEN, _IMPACTS, _HELD, _POWER = range(4)
+_GIVEN, _IMPACTS, _HELD, _FLIGHT, _POWER = range(5)
+_EULER = int(mujoco.mjtIntegrator.mjINT_EULER)
 _RK4 = int(mujoco.mjtIntegrator.mjINT_RK4)
 
 

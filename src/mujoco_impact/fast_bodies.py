@@ -8,6 +8,7 @@ nobody has seen a contact.
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import mujoco
 import numpy as np
@@ -49,6 +50,7 @@ class FastBodies:
     Attributes:
         needs: What of `mjData` must be logged after each step.
         count: Approaches found.
+        first: Time of the first of them [s].
         fastest: The fastest of them.
     """
 
@@ -80,7 +82,7 @@ class FastBodies:
         self._mocap = ("mocap_pos", "mocap_quat") if model.nmocap else ()
         seen = ("cvel", "geom_xpos", "subtree_com", *self._mocap)
         self.needs: tuple[str, ...] = seen if self._watched.size else ()
-        self.count = 0
+        self.count, self.first = 0, math.inf
         self.fastest: Approach | None = None
 
     def look(self, log: StepLog) -> None:
@@ -219,6 +221,7 @@ class FastBodies:
         if speed * float(model.opt.timestep) <= distance:
             return
         self.count += 1
+        self.first = min(self.first, float(data.time))
         if self.fastest is None or speed > self.fastest.speed:
             names = (geom_name(model, owned), geom_name(model, other))
             self.fastest = Approach(float(data.time), names, speed, sight)

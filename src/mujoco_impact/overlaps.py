@@ -47,7 +47,10 @@ class Overlaps:
 
         Deeper than a geom's depth a contact is MuJoCo's: its constraints tell.
         """
-        if data.nefc and (not self.touched or data.efc_pos.min() < -self._least):
+        if not data.nefc or data.efc_pos.min() >= -self._least:
+            return
+        deep = data.efc_pos < -self._least
+        if np.any(data.efc_type[deep] >= _CONTACT):
             self.look(data)
 
     def look(self, data: mujoco.MjData) -> None:
@@ -96,3 +99,7 @@ class Overlaps:
         """
         low, high = sorted((float(self._widths[first]), float(self._widths[second])))
         return low + low if np.isfinite(high) else low
+
+
+# the kinds of contacts come last
+_CONTACT = int(mujoco.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS)

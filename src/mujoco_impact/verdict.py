@@ -83,15 +83,17 @@ class RunWatch:
         self._look()
         if self._owned and np.isfinite(self._data.qpos).all():
             self._overlaps.look(self._data)
-        fast, energy_grew = (
-            self._fast.remark(),
-            self._balance.remark(energy, quiet_samples(time, impacts)),
-        )
-        if fast is not None:
+        growth = self._balance.growth(energy, quiet_samples(time, impacts))
+        grew = None if growth is None else growth.remark()
+        fast = self._fast.remark()
+        if growth and fast and self._fast.first > time[growth.since]:
+            # what has gained energy from nowhere is fast because of it
+            found = [grew]
+        elif fast is not None:
             # it explains what else went through or was never struck
-            found = [fast, energy_grew]
+            found = [fast, grew]
         else:
-            found = [self._overlaps.remark(), energy_grew]
+            found = [self._overlaps.remark(), grew]
             if self._owned and not impacts and not self._overlaps.touched:
                 found.append(Remark(NO_IMPACT, NOTHING))
         return tuple(remark for remark in found if remark is not None)

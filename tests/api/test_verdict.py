@@ -11,6 +11,7 @@ import pytest
 import cradle_models
 from mujoco_impact import Trajectory, attach, run
 from mujoco_impact.errors import ConfigError, ImpactWarning, SimulationError
+from mujoco_impact.free_flight import FreeRotation
 from mujoco_impact.remarks import ENERGY, FAST, NO_IMPACT, PASSING
 
 SHOT = """
@@ -193,6 +194,39 @@ def test_energy_of_a_tumbling_body_is_blamed_on_euler() -> None:
         assert words in str(warning.message)
     assert kinds(trajectory) == [ENERGY]
     assert kinds(run(attach(BOX.format(integrator="RK4")), duration=1.0)) == []
+
+
+@pytest.mark.parametrize("joint", ["<freejoint/>", '<joint type="ball"/>'])
+def test_the_gain_of_free_rotation_is_the_one_blamed(joint: str) -> None:
+    """In closed form, h^2/2 t . I^-1 t in each step: all that the energy grows by."""
+    xml = f"""<mujoco><option gravity="0 0 0" timestep=".002"/><worldbody>
+      <body euler="10 20 30">{joint}<geom type="box" size=".05 .03 .02" euler="5 5 5"/>
+      </body></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(xml)
+    qvel = np.zeros(model.nv)
+    qvel[-3:] = (10.0, 15.0, 5.0)
+    with pytest.warns(ImpactWarning, match="free rotation of 'body 1'"):
+        trajectory = run(model, duration=1.0, qvel=qvel)
+    grown = trajectory.energy[-1, 1] - trajectory.energy[0, 1]
+    gain = FreeRotation(model).gain(trajectory.qvel[:-1]).sum()
+    # a step that turns the axes by h w changes it by h^2 w^2
+    assert grown == pytest.approx(gain, rel=1e-3)
+
+
+def test_a_spring_that_its_timestep_blows_up_is_not_blamed_on_rotation() -> None:
+    """Although there is a body that could tumble."""
+    xml = BOX.format(integrator="Euler").replace(
+        "</worldbody>",
+        '<body pos="3 0 1"><joint type="slide" stiffness="4.05e6" pos="0 0 0"/>'
+        '<geom size=".1" mass="4"/></body></worldbody>',
+    )
+    qvel = np.zeros(7)
+    qvel[-1] = 1e-3
+    with (
+        pytest.warns(ImpactWarning, match="the integrator at a timestep of 0.002"),
+        pytest.raises(SimulationError),
+    ):
+        run(attach(xml), duration=1.0, qvel=qvel)
 
 
 def test_a_run_that_diverges_still_says_why() -> None:
