@@ -125,10 +125,10 @@ class EnergyBalance:
         # energies of flexes and other plugins are not in MuJoCo's sum
         self._judged = model.nflex == 0 and model.nplugin == len(ours)
         # moved bodies push, and constraints that start violated have energy to give
-        self._pushed = model.nmocap > 0
+        self._pushed = model.nmocap > 0 or bool(model.flg_surfacevel)
         self._first = True
-        springs = bool(model.jnt_stiffness.any() or model.tendon_stiffness.any())
-        dampers = bool(model.dof_damping.any() or model.tendon_damping.any())
+        springs = _any(model, "jnt_stiffness", "tendon_stiffness")
+        dampers = _any(model, "dof_damping", "tendon_damping")
         fluid = bool(model.opt.density or model.opt.viscosity)
         passive = {
             "qfrc_spring": springs,
@@ -283,6 +283,14 @@ def _work(way: Array, force: Array) -> Array:
     """Returns the work of generalized forces in each step [J], shape (steps,)."""
     work: Array = np.einsum("kj,kj->k", way, force)
     return work
+
+
+def _any(model: mujoco.MjModel, *names: str) -> bool:
+    """Returns whether a coefficient of the model, or of its higher orders, is set."""
+    coefficients = (
+        getattr(model, name + end) for name in names for end in ("", "poly")
+    )
+    return any(bool(numbers.any()) for numbers in coefficients)
 
 
 def _state(data: mujoco.MjData) -> Array:
