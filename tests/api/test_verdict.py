@@ -143,6 +143,34 @@ def test_the_tip_of_a_fast_rod_is_seen() -> None:
         run(attach(xml), duration=0.03, qvel=[100.0])
 
 
+SHAPES = {
+    "capsule": 'type="capsule" size=".02 .03"',
+    "ellipsoid": 'type="ellipsoid" size=".02 .03 .04"',
+    "cylinder": 'type="cylinder" size=".02 .03"',
+    "box": 'type="box" size=".02 .03 .04"',
+    "mesh": 'type="mesh" mesh="wedge"',
+}
+HEIGHTS = " ".join(["0"] * 100)
+
+
+@pytest.mark.parametrize("floor", ["plane", "hfield", *SHAPES])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_every_shape_is_seen(shape: str, floor: str) -> None:
+    """MuJoCo measures the distance of all pairs."""
+    grounds = {
+        "plane": 'type="plane" size="1 1 1"',
+        "hfield": 'type="hfield" hfield="h"',
+        **SHAPES,
+    }
+    xml = f"""<mujoco><option gravity="0 0 0"/><asset>
+      <hfield name="h" nrow="10" ncol="10" size="1 1 .1 .1" elevation="{HEIGHTS}"/>
+      <mesh name="wedge" vertex="0 0 0 .05 0 0 0 .05 0 0 0 .05"/></asset><worldbody>
+      <geom name="floor" {grounds[floor]}/><body pos="0 0 .5"><freejoint/>
+      <geom name="it" {SHAPES[shape]}/></body></worldbody></mujoco>"""
+    with pytest.warns(ImpactWarning, match="'it' closes in on 'floor'"):
+        run(attach(xml), duration=0.02, qvel=[0, 0, -60, 3, 2, 1])
+
+
 def test_coarse_samples_miss_no_fast_body() -> None:
     """Steps are looked at, not samples."""
     scene = attach(SHOT.format(integrator="Euler"))
