@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engine/gyroscopic.h"
 #include "engine/line_of_action.h"
 #include "engine/motion.h"
 #include "engine/settled_energy.h"
@@ -32,6 +33,17 @@ void AddDetour(const mjModel* m, mjData* d, const Mobility& mobility, const Deli
   mobility.Solve(displacement, detour);
   mju_scl(displacement, displacement, 1 / m->opt.timestep, m->nv);
   AddWeightGradient(m, d, displacement, force);
+}
+
+// What gyroscopic forces differ by after the impact.
+void AddTurn(const mjModel* m, mjData* d, const Mobility& mobility, const Delivery& delivery,
+             const mjtNum* correction, mjtNum* force, Scratch& scratch) {
+  mjtNum* change = scratch.Take<mjtNum>(m->nv);
+  mjtNum* detour = scratch.Take<mjtNum>(m->nv);
+  mobility.Solve(change, delivery.impulse);
+  // (h/2 − s) ΔV = Δq + (1/2 − a) h ΔV, for Δq = M⁻¹ (a h ΔP − M₁)
+  mju_addScl(detour, correction, change, (0.5 - ImpulseLag(m)) * m->opt.timestep, m->nv);
+  AddGyroscopicChange(m, d, change, detour, force, scratch);
 }
 
 // All that is left, in the middle of the step.
@@ -127,6 +139,7 @@ void Apply(const mjModel* m, mjData* d, const Mobility& mobility, State& state,
     if (damped) force[i] -= m->dof_damping[i] * correction[i] / h;
   }
   AddDetour(m, d, mobility, delivery, force, scratch);
+  AddTurn(m, d, mobility, delivery, correction, force, scratch);
   mju_addTo(d->qfrc_passive, force, m->nv);
   state.header().pending = 1;
 }

@@ -13,8 +13,8 @@
 //
 //   −s (h − s)/2         and         (h − s)²/2 − h²/6.
 //
-// Left out: the change of M and of velocity-dependent forces, which are zero for spheres, and for
-// pendulums of one hinge.
+// Left out: the change of M, which is zero for balls, and for pendulums of one hinge. That of
+// velocity-dependent forces is in gyroscopic.h.
 
 #ifndef MUJOCO_IMPACT_ENGINE_WEIGHT_GRADIENT_H_
 #define MUJOCO_IMPACT_ENGINE_WEIGHT_GRADIENT_H_
