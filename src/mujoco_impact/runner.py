@@ -199,15 +199,20 @@ class _Recorder:
         if (step + 1) % every == 0:
             self._sample((step + 1) // every)
 
-    def warn(self, *, samples: int) -> tuple[Remark, ...]:
-        """Warns of what a number of samples have to say, and returns it."""
+    def warn(self, *, samples: int, level: int = 3) -> tuple[Remark, ...]:
+        """Warns of what a number of samples have to say, and returns it.
+
+        Args:
+            samples: The samples that are filled.
+            level: Calls from the one that the warning is about down to here.
+        """
         remarks = self.watch.remarks(
             self._time[:samples], self._energy[:samples], self._pulses.impacts
         )
         for remark in remarks:
             # that nothing touched is no fault: the list of impacts says it
             if remark.kind != NO_IMPACT:
-                warnings.warn(remark.text, ImpactWarning, stacklevel=4)
+                warnings.warn(remark.text, ImpactWarning, stacklevel=level)
         return remarks
 
     def trajectory(self) -> Trajectory:
@@ -231,7 +236,7 @@ class _Recorder:
             integrator=integrator_name(self._model),
             mujoco_version=mujoco.mj_versionString(),
             missed_impacts=self._pulses.missed,
-            remarks=self.warn(samples=len(self._energy)),
+            remarks=self.warn(samples=len(self._energy), level=4),
         )
 
     def _sample(self, index: int) -> None:
