@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -15,16 +16,23 @@ import numpy as np
 import numpy.typing as npt
 
 from mujoco_impact import metrics
+from mujoco_impact._plugin import PLUGIN_NAME
 from mujoco_impact.baselines import Method, baselines
 from mujoco_impact.comparison import OURS, Comparison, MethodResult
-from mujoco_impact.errors import ImpactError, SceneError, SimulationError
+from mujoco_impact.errors import (
+    ConfigError,
+    ImpactError,
+    ImpactWarning,
+    SceneError,
+    SimulationError,
+)
 from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.pendulums import PendulumRow, find_row
 from mujoco_impact.reference import ReferenceTrajectory, swing
 from mujoco_impact.runner import initial_data, load_model, run, step_count
 from mujoco_impact.scene import attach, detach
 from mujoco_impact.settings import Setting, attributes
-from mujoco_impact.source import Source
+from mujoco_impact.source import Source, read_spec
 from mujoco_impact.timing import interleaved_times
 from mujoco_impact.trajectory import Array, Trajectory
 
@@ -50,6 +58,7 @@ def compare(
     geoms: Iterable[str] | None = None,
     gap: float | None = None,
     depth: float | None = None,
+    speed: float | None = None,
     repeats: int = 5,
     settings: Mapping[str, Setting] | None = None,
     progress: Callable[[str], None] | None = None,
@@ -58,7 +67,8 @@ def compare(
 
     MuJoCo runs the scene as it is, and with the best settings known for touching balls
     (see `mujoco_impact.baselines`). If the scene is a row of pendulum balls without
-    losses, the Hertz reference tells how wrong each of them is.
+    losses, the Hertz reference tells how wrong each of them is. A scene that has the
+    plugin keeps it as it is, with its settings; MuJoCo's contacts then take its place.
 
     Args:
         source: Path of a model file, XML text, or a specification (not changed).
@@ -69,22 +79,24 @@ def compare(
         geoms: See `attach`.
         gap: See `attach`.
         depth: See `attach`.
+        speed: See `attach`.
         repeats: How often each method is timed, in turn with the others.
-        settings: Settings of the impact law by name, see `attach`.
+        settings: Settings of the impact law by name, see `attach`; like all that
+            `attach` takes, not for a scene that has the plugin already.
         progress: Called with the name of each stage as it begins.
 
     Raises:
         SceneError: If the scene cannot take the plugin.
-        ConfigError: If a setting is not valid.
+        ConfigError: If a setting is not valid, or has no effect on the scene.
         SimulationError: If our own run fails; a failure of MuJoCo's contacts is a
             result.
     """
     report = progress or (lambda _: None)
-    law: dict[str, Any] = dict(settings or {})
-    attributes(law)
+    attributes(dict(settings or {}))
     report(OURS)
-    plain = detach(source)
-    attached = attach(plain, geoms=geoms, name=INSTANCE, gap=gap, depth=depth, **law)
+    options = {"geoms": geoms, "gap": gap, "depth": depth, "speed": speed}
+    attached, law = _ours(read_spec(source), options, dict(settings or {}))
+    plain = detach(attached)
     start: dict[str, Any] = {"keyframe": keyframe, "qpos": qpos, "qvel": qvel}
     ours = Method(OURS, _shown(law), attached)
     motion = run(attached, duration=duration, **start)
@@ -109,12 +121,48 @@ def compare(
         mujoco_version=motion.mujoco_version,
         impact_speed=speed,
         model=model,
-        geoms=owned_geoms(attached)[INSTANCE] or (),
+        geoms=_names_of(attached),
         methods=timed,
         row=truth.row,
         reference=truth.motion,
         reference_velocities=truth.velocities,
         note=truth.note,
+    )
+
+
+def _ours(
+    spec: mujoco.MjSpec, options: dict[str, Any], settings: dict[str, Any]
+) -> tuple[mujoco.MjSpec, dict[str, Any]]:
+    """Returns the scene with the plugin, and the settings that hold in it.
+
+    Args:
+        spec: The scene; one that has the plugin stays as it is.
+        options: What else `attach` takes, None for its defaults.
+        settings: Settings of the impact law by name.
+    """
+    instances = [one for one in spec.plugins if one.plugin_name == PLUGIN_NAME]
+    if not instances:
+        return attach(spec, name=INSTANCE, **options, **settings), settings
+    given = [name for name, value in options.items() if value is not None]
+    given += settings
+    if given:
+        msg = (
+            f"{', '.join(given)}: no effect, for the scene has the plugin already: set "
+            "it there, or take the plugin out (detach)"
+        )
+        raise ConfigError(msg)
+    configs = [dict(one.config) for one in instances]
+    if any(config != configs[0] for config in configs):
+        return spec, {"law": "several instances, each with its own"}
+    return spec, configs[0]
+
+
+def _names_of(spec: mujoco.MjSpec) -> tuple[str, ...]:
+    """Returns the names of the owned geoms of all instances."""
+    owned = owned_geoms(spec).values()
+    everything = tuple(geom.name for geom in spec.geoms)
+    return tuple(
+        name for names in owned for name in (everything if names is None else names)
     )
 
 
@@ -167,9 +215,12 @@ def _run_method(
 ) -> MethodResult:
     """Runs one method, unless its motion is known, and measures its errors."""
     try:
-        motion = known or run(
-            method.spec, duration=duration, every=method.every, **start
-        )
+        with warnings.catch_warnings():
+            # what MuJoCo's own contacts do wrong stands in the table
+            warnings.simplefilter("ignore", ImpactWarning)
+            motion = known or run(
+                method.spec, duration=duration, every=method.every, **start
+            )
     except SimulationError as error:
         return MethodResult(method.name, method.setting, None, failure=str(error))
     result = MethodResult(

@@ -11,6 +11,7 @@ import mujoco
 from mujoco_impact import metrics
 from mujoco_impact.pendulums import PendulumRow
 from mujoco_impact.reference import ReferenceTrajectory
+from mujoco_impact.remarks import Remark
 from mujoco_impact.trajectory import Trajectory
 
 OURS = "mujoco-impact"
@@ -103,6 +104,12 @@ class Comparison:
     reference_velocities: tuple[float, ...] | None = None
     note: str = ""
 
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """What our own run has to say, see `Trajectory`."""
+        motion = self.method(OURS).trajectory
+        return () if motion is None else motion.remarks
+
     def table(self) -> list[dict[str, Any]]:
         """Returns one dictionary of numbers per method, in order."""
         return [method.row() for method in self.methods]
@@ -125,6 +132,7 @@ class Comparison:
             "impact_speed": self.impact_speed,
             "reference_velocities": _list(self.reference_velocities),
             "note": self.note,
+            "remarks": [dataclasses.asdict(remark) for remark in self.remarks],
             "methods": [
                 {**method.row(), "first_velocities": _list(method.first_velocities)}
                 for method in self.methods

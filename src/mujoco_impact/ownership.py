@@ -21,6 +21,10 @@ GAP_SIZE_FRACTION = 0.5
 """Smallest default gap, as a fraction of the smallest owned geom's half-width."""
 
 
+SPEED_ROOM = 1.25
+"""Gap for a closing speed, over the way of one step: bodies gain speed meanwhile."""
+
+
 def select_geoms(spec: mujoco.MjSpec, names: Iterable[str] | None) -> tuple[str, ...]:
     """Returns the names of the geoms to own, in the order of the model or of `names`.
 
@@ -92,16 +96,26 @@ def set_margins(
             pair.gap = round(count * (depth + gap), 12)
 
 
-def default_gap(model: mujoco.MjModel, owned: Sequence[str]) -> float:
+def default_gap(
+    model: mujoco.MjModel, owned: Sequence[str], *, speed: float | None = None
+) -> float:
     """Returns how early a contact of an owned geom should be seen [m].
 
     The plugin must see an impact at least one step before it happens, so the gap is
     what a body that fell through the scene travels in one step; never less than half
-    of the half-width of the smallest owned geom, for scenes without gravity.
+    of the half-width of the smallest owned geom, for scenes without gravity, and
+    enough for a closing speed [m/s] that is expected.
     """
     size = smallest_size(model, owned)
-    travel = fall_speed(model) * float(model.opt.timestep)
-    return round_up(max(GAP_SIZE_FRACTION * size, travel))
+    timestep = float(model.opt.timestep)
+    travel = max(GAP_SIZE_FRACTION * size, fall_speed(model) * timestep)
+    usual = round_up(travel)
+    return usual if speed is None else max(usual, gap_for_speed(speed, timestep))
+
+
+def gap_for_speed(speed: float, timestep: float) -> float:
+    """Returns the gap [m] that announces contacts closing at a speed [m/s]."""
+    return round_up(SPEED_ROOM * speed * timestep)
 
 
 def fall_speed(model: mujoco.MjModel) -> float:

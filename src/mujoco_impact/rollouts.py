@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import warnings
 from collections.abc import Callable
 
 import mujoco
@@ -17,7 +18,9 @@ import numpy.typing as npt
 from mujoco.rollout import Rollout
 
 from mujoco_impact import _plugin
-from mujoco_impact.errors import SceneError, SimulationError
+from mujoco_impact.encounters import owned_numbers
+from mujoco_impact.errors import ImpactWarning, SceneError, SimulationError
+from mujoco_impact.fast_bodies import FastBodies
 from mujoco_impact.limits import check_recording
 from mujoco_impact.runner import (
     Model,
@@ -71,6 +74,9 @@ def rollout(
     progress: Callable[[float], None] | None = None,
 ) -> Rollouts:
     """Simulates a model from many initial states.
+
+    Warns (`ImpactWarning`) of bodies that are too fast for their gap, as far as a look
+    at the fastest states tells.
 
     Args:
         model: Compiled model (not changed), specification, path or XML text.
@@ -169,6 +175,7 @@ class _Run:
         self._workers = [mujoco.MjData(model) for _ in range(threads)]
         self._pool = pool
         self._parts: list[tuple[Array, Array, Array]] = []
+        self._fast = FastBodies(model, owned_numbers(model))
 
     def add(self, start: Array, control: Array | None, first: int) -> None:
         """Simulates from some of the initial states, of which `first` is the number."""
@@ -178,13 +185,25 @@ class _Run:
             )
         if messages:
             raise _failure(self._model, start, states, first, messages[0])
+        self._look(states)
         kept = states[:, self._samples, : 1 + self._model.nq + self._model.nv].copy()
         self._parts.append(
             (kept, sensors[:, self._samples].copy(), states[:, -1].copy())
         )
 
+    def _look(self, states: Array) -> None:
+        """Looks for bodies that are too fast for their gap."""
+        nq, nv = self._model.nq, self._model.nv
+        rows = states.reshape(-1, states.shape[-1])
+        self._fast.look_at_fastest(
+            rows[:, 0], rows[:, 1 : 1 + nq], rows[:, 1 + nq : 1 + nq + nv]
+        )
+
     def result(self) -> Rollouts:
-        """Returns all parts in one."""
+        """Returns all parts in one; warns of bodies that were too fast."""
+        remark = self._fast.remark()
+        if remark is not None:
+            warnings.warn(remark.text, ImpactWarning, stacklevel=3)
         states, sensors, final = map(np.concatenate, zip(*self._parts, strict=True))
         nq = self._model.nq
         return Rollouts(

@@ -16,9 +16,11 @@ from mujoco_impact import _plugin
 from mujoco_impact.errors import ImpactWarning, SceneError, SimulationError
 from mujoco_impact.limits import check_recording, steps_of
 from mujoco_impact.pulses import PulseReader
+from mujoco_impact.remarks import NO_IMPACT, Remark
 from mujoco_impact.source import Source, read_spec
 from mujoco_impact.specifications import compile_spec
 from mujoco_impact.trajectory import Array, Trajectory
+from mujoco_impact.verdict import RunWatch
 
 Model: TypeAlias = mujoco.MjModel | Source
 """A compiled model, or anything that can be compiled to one."""
@@ -58,7 +60,9 @@ def run(
         progress: Called now and then with the finished fraction, 0 to 1.
 
     Returns:
-        The trajectory; its first sample is the initial state.
+        The trajectory; its first sample is the initial state. What went wrong without
+        an error, such as bodies too fast for their gap, stands in its `remarks` and is
+        warned of once (`ImpactWarning`).
 
     Raises:
         SceneError: If the model or the initial state is not valid.
@@ -77,13 +81,22 @@ def run(
     # MuJoCo fills in the energies only if asked to; nothing else depends on the flag
     compiled.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
     data = initial_data(compiled, keyframe=keyframe, qpos=qpos, qvel=qvel)
-    recorder = _Recorder(compiled, data, samples=steps // every + 1)
+    recorder = _Recorder(
+        compiled,
+        data,
+        samples=steps // every + 1,
+        every=every,
+        controlled=controller is not None,
+    )
     with collected_warnings() as messages:
         for step in range(steps):
             if controller is not None:
                 controller(compiled, data)
+                recorder.watch.after_controller()
             mujoco.mj_step(compiled, data)
             if messages:
+                # this step has not left the energy of its start
+                recorder.warn(samples=-(-step // every))
                 raise _simulation_error(messages, step * compiled.opt.timestep)
             recorder.after_step(step, every)
             if progress is not None and step % max(1, steps // PROGRESS_CALLS) == 0:
@@ -156,7 +169,13 @@ class _Recorder:
     """Fills the arrays of a trajectory while a simulation runs."""
 
     def __init__(
-        self, model: mujoco.MjModel, data: mujoco.MjData, *, samples: int
+        self,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        *,
+        samples: int,
+        every: int,
+        controlled: bool,
     ) -> None:
         self._model = model
         self._data = data
@@ -168,16 +187,34 @@ class _Recorder:
         # A Runge-Kutta step leaves the energy of its last stage, not of its start.
         self._runge_kutta = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         self._scratch = copy.copy(data)
+        self.watch = RunWatch(model, data, every=every, controlled=controlled)
         self._sample(0)
 
     def after_step(self, step: int, every: int) -> None:
         """Records what step number `step` (from 0) brought."""
         self._pulses.poll()
+        self.watch.after_step()
         if step % every == 0 and not self._runge_kutta:
             # a step computes the energy of the state that it starts from
             self._energy[step // every] = self._data.energy
         if (step + 1) % every == 0:
             self._sample((step + 1) // every)
+
+    def warn(self, *, samples: int, level: int = 3) -> tuple[Remark, ...]:
+        """Warns of what a number of samples have to say, and returns it.
+
+        Args:
+            samples: The samples that are filled.
+            level: Calls from the one that the warning is about down to here.
+        """
+        remarks = self.watch.remarks(
+            self._time[:samples], self._energy[:samples], self._pulses.impacts
+        )
+        for remark in remarks:
+            # that nothing touched is no fault: the list of impacts says it
+            if remark.kind != NO_IMPACT:
+                warnings.warn(remark.text, ImpactWarning, stacklevel=level)
+        return remarks
 
     def trajectory(self) -> Trajectory:
         """Returns the finished trajectory."""
@@ -200,6 +237,7 @@ class _Recorder:
             integrator=integrator_name(self._model),
             mujoco_version=mujoco.mj_versionString(),
             missed_impacts=self._pulses.missed,
+            remarks=self.warn(samples=len(self._energy), level=4),
         )
 
     def _sample(self, index: int) -> None:

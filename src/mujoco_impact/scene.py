@@ -9,6 +9,7 @@ import mujoco
 
 from mujoco_impact import law
 from mujoco_impact._plugin import PLUGIN_NAME
+from mujoco_impact.blind_sensors import warn_of_blind_sensors
 from mujoco_impact.errors import ConfigError, SceneError
 from mujoco_impact.instances import remove_instances
 from mujoco_impact.ownership import (
@@ -47,6 +48,7 @@ def attach(
     name: str = "impact",
     gap: float | None = None,
     depth: float | None = None,
+    speed: float | None = None,
     **settings: Setting,
 ) -> mujoco.MjSpec:
     """Returns a copy of a scene whose impacts are computed by the plugin.
@@ -54,7 +56,8 @@ def attach(
     Adds a plugin instance with its settings, a `<tuple>` of the owned geoms and a
     sensor (all three called `name`), and gives the owned geoms a negative margin, so
     that MuJoCo detects their contacts and leaves them out of its solver. Impulses act
-    along the normal, unless `friction="paper"` is set.
+    along the normal, unless `friction="paper"` is set. Warns (`ImpactWarning`) of
+    MuJoCo's sensors that do not see these impacts.
 
     Args:
         source: Path of a model file, XML text, or a specification (not changed).
@@ -66,6 +69,9 @@ def attach(
             speed times timestep. Default: what a body that fell through the
             whole scene travels in one step, and not less than a quarter of the width
             of the smallest owned geom. Doubles between two owned geoms.
+        speed: Closing speed of the fastest impact expected [m/s], instead of `gap`: the
+            gap is then what that makes in a step, and a quarter more, if the default
+            is smaller.
         depth: Overlap at which MuJoCo's own contact takes over [m]: a resting geom
             sinks that deep. Impacts stay within half of it: pulses that would not are
             shortened. Default: 1 % of half of the width of the smallest owned
@@ -83,8 +89,15 @@ def attach(
         PluginError: If the plugin library cannot be loaded.
     """
     config = attributes(settings)
-    for label, length in (("gap", gap), ("depth", depth)):
-        _check_length(label, length)
+    for label, number, unit in (
+        ("gap", gap, "length > 0 [m]"),
+        ("depth", depth, "length > 0 [m]"),
+        ("speed", speed, "speed > 0 [m/s]"),
+    ):
+        _check_positive(label, number, unit)
+    if gap is not None and speed is not None:
+        msg = f"gap = {gap} and speed = {speed}: give one of them, speed sets the gap"
+        raise ConfigError(msg)
     spec = read_spec(source)
     check_options(spec)
     check_name(spec, name)
@@ -97,9 +110,10 @@ def attach(
     set_margins(
         spec,
         owned,
-        gap=default_gap(model, owned) if gap is None else gap,
+        gap=default_gap(model, owned, speed=speed) if gap is None else gap,
         depth=_default_depth(model, owned, config) if depth is None else depth,
     )
+    warn_of_blind_sensors(model, owned)
     return spec
 
 
@@ -218,12 +232,12 @@ def _pulse_duration(config: Mapping[str, str]) -> float:
     return float(duration)
 
 
-def _check_length(label: str, length: float | None) -> None:
-    """Raises ConfigError if a length is not positive and finite."""
-    if length is None:
+def _check_positive(label: str, number: float | None, allowed: str) -> None:
+    """Raises ConfigError if a number is not positive and finite."""
+    if number is None:
         return
-    if not (isinstance(length, int | float) and math.isfinite(length) and length > 0):
-        msg = f"{label} = {length!r}: must be a length > 0 [m]"
+    if not (isinstance(number, int | float) and math.isfinite(number) and number > 0):
+        msg = f"{label} = {number!r}: must be a {allowed}"
         raise ConfigError(msg)
 
 

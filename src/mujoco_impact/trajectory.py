@@ -18,10 +18,11 @@ import numpy.typing as npt
 from mujoco_impact.archive import AnyArray, read_arrays
 from mujoco_impact.errors import TrajectoryError
 from mujoco_impact.files import replacing
+from mujoco_impact.remarks import Remark
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
-LAYOUT_VERSION = 1
+LAYOUT_VERSION = 2
 """Version of the .npz layout that `Trajectory.save` writes."""
 
 _DAMAGE = (
@@ -43,8 +44,8 @@ _DAMAGE = (
 
 _ARRAYS = ("time", "qpos", "qvel", "energy")
 _SCALARS = ("timestep", "integrator", "mujoco_version", "missed_impacts")
-_STORED = ("impact_numbers", "impact_geoms", *_ARRAYS, *_SCALARS)
-_TEXTS = ("integrator", "mujoco_version", "impact_geoms")
+_STORED = ("impact_numbers", "impact_geoms", "remarks", *_ARRAYS, *_SCALARS)
+_TEXTS = ("integrator", "mujoco_version", "impact_geoms", "remarks")
 _KINDS = {"U": "text", "iu": "integers", "iuf": "numbers"}
 """Kinds of NumPy's types, and what a message calls them."""
 
@@ -96,6 +97,8 @@ class Trajectory:
         mujoco_version: Version of MuJoCo that made the run.
         missed_impacts: Impacts that began but whose record was overwritten before it
             could be read; 0 unless a warning was given.
+        remarks: What deserves attention: missed impacts, energy from nowhere, no
+            impact at all; empty if nothing does.
     """
 
     time: Array
@@ -107,6 +110,7 @@ class Trajectory:
     integrator: str
     mujoco_version: str
     missed_impacts: int = 0
+    remarks: tuple[Remark, ...] = ()
 
     @property
     def total_energy(self) -> Array:
@@ -142,6 +146,7 @@ class Trajectory:
                     layout_version=LAYOUT_VERSION,
                     impact_numbers=numbers,
                     impact_geoms=geoms.reshape(len(self.impacts), 2),
+                    remarks=_remark_texts(self.remarks),
                     **arrays,
                     **scalars,
                 )
@@ -202,6 +207,7 @@ def _from_arrays(stored: dict[str, AnyArray]) -> Trajectory:
         integrator=str(stored["integrator"]),
         mujoco_version=str(stored["mujoco_version"]),
         missed_impacts=int(stored["missed_impacts"]),
+        remarks=tuple(Remark(str(kind), str(text)) for kind, text in stored["remarks"]),
     )
 
 
@@ -219,6 +225,7 @@ def _check_shapes(stored: dict[str, AnyArray]) -> None:
         "energy": (samples, 2),
         "impact_numbers": (impacts, len(_IMPACT_NUMBERS)),
         "impact_geoms": (impacts, 2),
+        "remarks": (None, 2),
         **dict.fromkeys(_SCALARS, ()),
     }
     for name, shape in shapes.items():
@@ -236,3 +243,9 @@ def _check_shapes(stored: dict[str, AnyArray]) -> None:
                 f"needed: {wanted_shape} of {_KINDS[kinds]}"
             )
             raise ValueError(msg)
+
+
+def _remark_texts(remarks: tuple[Remark, ...]) -> npt.NDArray[np.str_]:
+    """Returns kind and text of remarks as an array, shape (n, 2)."""
+    texts = [(remark.kind, remark.text) for remark in remarks]
+    return np.array(texts, dtype=np.str_).reshape(len(texts), 2)

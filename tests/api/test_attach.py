@@ -204,6 +204,13 @@ def test_detach_gives_back_the_scene_as_it_was(two_balls: str) -> None:
     np.testing.assert_array_equal(states(back, 40), states(plain, 40))
 
 
+def test_detach_takes_the_plugin_out_of_a_scene_that_was_read(two_balls: str) -> None:
+    """In MJCF the sensor names the instance alone."""
+    written = attach(two_balls).to_xml()
+    back = detach(detach(written)).compile()
+    assert back.nplugin == back.nsensor == back.ntuple == 0
+
+
 def test_owned_geoms_that_never_meet_change_nothing() -> None:
     """With no contact, the motion is bit for bit that of stock MuJoCo."""
     xml = free_ball(
@@ -243,6 +250,10 @@ FLEX = """<worldbody><body name="rag" pos="0 0 .5"><freejoint/>
   <flexcomp name="cloth" type="grid" count="3 3 1" spacing=".1 .1 .1" radius=".01"/>
 </body></worldbody>"""
 
+SUCTION = """<actuator>
+  <adhesion name="suck" body="{body}" ctrlrange="0 1" gain="10"/>
+</actuator>"""
+
 REFUSED = {
     "override": (
         free_ball(head='<option><flag override="enable"/></option>'),
@@ -257,6 +268,19 @@ REFUSED = {
         'flag contact="disable"',
     ),
     "adhesion": (free_ball(ball='adhesion="1"'), "'ball' has adhesion 1"),
+    "adhesion actuator": (
+        free_ball(tail=SUCTION.format(body="cup")).replace(
+            "<body ", '<body name="cup" '
+        ),
+        "adhesion actuator 'suck' of the body 'cup'",
+    ),
+    "adhesion actuator of what an owned geom can touch": (
+        free_ball(tail=SUCTION.format(body="pad")).replace(
+            "</worldbody>",
+            '<body name="pad" pos="1 0 1"><geom size=".01"/></body></worldbody>',
+        ),
+        "adhesion actuator 'suck' of the body 'pad'",
+    ),
     "tuple of that name": (
         free_ball(
             tail='<custom><tuple name="impact"><element objtype="geom" '
@@ -289,6 +313,18 @@ def test_scene_that_cannot_take_the_plugin_is_refused(case: str) -> None:
         attach(xml)
     assert reason in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_an_adhesion_actuator_elsewhere_is_no_reason_to_refuse() -> None:
+    """What it acts on is not ours, and cannot touch what is."""
+    xml = free_ball(tail=SUCTION.format(body="pad")).replace(
+        "</worldbody>",
+        '<body name="pad" pos="1 0 1"><freejoint/>'
+        '<geom name="pad" size=".01" contype="2" conaffinity="2"/></body></worldbody>',
+    )
+    assert owned_geoms(attach(xml, geoms=["ball"]))["impact"] == ("ball",)
+    with pytest.raises(SceneError, match="adhesion actuator"):
+        attach(xml)
 
 
 def test_geoms_owned_twice_are_refused(two_balls: str) -> None:

@@ -6,7 +6,7 @@ import pytest
 
 import cradle_models
 import mujoco_impact
-from mujoco_impact.errors import SceneError, SimulationError
+from mujoco_impact.errors import ImpactWarning, SceneError, SimulationError
 from mujoco_impact.rollouts import STATE, initial_states
 
 STEPS = 250
@@ -141,3 +141,15 @@ def test_a_simulation_that_breaks_down_is_named(model):
 def test_bad_arguments_are_refused_with_a_reason(model, options, error, said):
     with pytest.raises(error, match=said):
         mujoco_impact.rollout(model, duration=0.1, **options)
+
+
+def test_a_body_too_fast_for_its_gap_is_warned_of_once(two_balls):
+    """One of the simulations is: it is looked at, whatever its place."""
+    far = two_balls.replace("-.02 0 0", "-.25 0 0")
+    model = mujoco_impact.attach(far).compile()
+    qvel = np.tile([1.0, 0.0], (40, 1))
+    qvel[17, 0] = 100.0
+    with pytest.warns(ImpactWarning, match="'left' closes in on 'right' at 100 m/s"):
+        mujoco_impact.rollout(model, duration=0.02, qvel=qvel, threads=1)
+    seeing = mujoco_impact.attach(far, speed=100.0).compile()
+    mujoco_impact.rollout(seeing, duration=0.02, qvel=qvel, threads=1)

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -10,8 +11,10 @@ import mujoco_impact
 from mujoco_impact.cli import app
 from mujoco_impact.stress import FAMILIES, OURS, SHAPES, stress_scene
 from mujoco_impact.stress.long_runs import long_runs
+from mujoco_impact.stress.outcomes import Outcome, differences
 from mujoco_impact.stress.promises import Invariant
 from mujoco_impact.stress.shapes import Evidence, case_of
+from mujoco_impact.trajectory import Impact
 
 BALLS = """
 <mujoco model="two">
@@ -117,6 +120,80 @@ def test_the_command_fails_where_a_scene_does(tmp_path):
                  "restitution=1")  # fmt: skip
     assert result.exit_code == 1
     assert "impacts may be missed" in result.output
+
+
+def test_a_scene_in_which_nothing_touches_is_not_called_sound(tmp_path):
+    """There is no evidence: the command fails."""
+    path = tmp_path / "still.xml"
+    path.write_text(BALLS.format(speed=1))
+    result = run(str(path), "--duration", "0.05")
+    assert result.exit_code == 1
+    as_it_is = next(line for line in result.output.splitlines() if "as it is" in line)
+    assert "nothing touched: nothing can be said" in as_it_is
+    assert "sound" not in as_it_is
+
+
+DIE = """
+<mujoco>
+  <worldbody>
+    <geom type="plane" size="5 5 1"/>
+    <body name="die" pos="0 0 .3" euler="20 30 0"><freejoint/>
+      <geom type="box" size=".05 .03 .02" density="1000"/></body>
+  </worldbody>
+</mujoco>
+"""
+
+
+@pytest.fixture(scope="module")
+def die():
+    """The findings of an elastic box that Euler spins up, by variation."""
+    return {one.variation: one for one in stress_scene(DIE, duration=1.2)}
+
+
+def test_the_integrator_is_blamed_where_it_is_the_cause(die):
+    """A body that it has spun up is faster than its gap, which is not the cause."""
+    assert "Euler integrator adds energy" in die["as it is"].problems[0]
+    assert "gap" not in " ".join(die["timestep x 2"].problems)
+    assert die["integrator RK4"].problems == ()
+
+
+def test_timesteps_that_come_to_something_else_say_so(die):
+    """Compared with the finest timestep."""
+    (told,) = die["as it is"].differences
+    assert told.startswith("other than with timestep x 0.1")
+    assert "impacts, not" in told
+    assert "energy changes by" in told
+    assert die["timestep x 0.1"].differences == ()
+    assert die["integrator RK4"].differences == ()
+
+
+def test_a_scene_that_its_timestep_resolves_has_no_differences():
+    """Two balls: the same velocities, impacts and energy with every timestep."""
+    findings = stress_scene(BALLS.format(speed=1), duration=0.05, keyframe="shot")
+    assert findings[0].problems == findings[0].differences == ()
+    assert not any(finding.differences for finding in findings[:4])
+
+
+def test_velocities_after_the_first_impact_are_compared():
+    """At the same time; what a second impact has changed is not compared."""
+    time = np.linspace(0.0, 1.0, 11)
+    impact = Impact(0.35, ("a", "b"), 1.0, 1.0, 1.0, 0.1, 1.0)
+
+    def outcome(speed, *impacts):
+        qvel = np.where(time < 0.4, 1.0, speed)[:, None]
+        impacts = impacts or (impact,)
+        return Outcome(time, qvel, impacts, len(impacts), 0.0)
+
+    assert differences(outcome(-1.0), outcome(-1.0), "x") == ()
+    (told,) = differences(outcome(-1.0), outcome(-0.9), "x")
+    assert told == (
+        "other than with x: velocities after the first impact differ by 0.1"
+    )
+    # the second impact of one comes before the first of the other is over
+    soon = dataclasses.replace(impact, time=0.52)
+    long = dataclasses.replace(impact, duration=0.3)
+    (told,) = differences(outcome(-1.0, impact, soon), outcome(-0.9, long), "x")
+    assert told == "other than with x: 2 impacts, not 1"
 
 
 @pytest.fixture(scope="module")

@@ -18,8 +18,15 @@ from mujoco_impact.cli.options import (
     ModelArgument,
     ParamsOption,
     SetOption,
+    SpeedOption,
 )
-from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
+from mujoco_impact.cli.output import (
+    clean_errors,
+    console_of,
+    exit_if_unsound,
+    progress,
+    write_json,
+)
 from mujoco_impact.cli.scenes import model_path, parsed_settings, start_keyframe
 from mujoco_impact.compare import compare as compare_scene
 from mujoco_impact.comparison import Comparison
@@ -36,7 +43,7 @@ def demo(
     """Show what a row of five touching steel balls does, ours and MuJoCo's way."""
     with clean_errors():
         path = cradle_models.model_path("row_5")
-        comparison = _compared(path, 3.0, START_KEYFRAME, {}, json_file)
+        comparison = _compared(path, 3.0, START_KEYFRAME, {}, None, json_file)
         _show_comparison(comparison, png, json_file)
 
 
@@ -47,6 +54,7 @@ def compare(
     settings: SetOption = None,
     params: ParamsOption = None,
     friction: FrictionOption = False,
+    speed: SpeedOption = None,
     png: Annotated[
         Path | None, typer.Option(help="Picture to write [default: MODEL.png].")
     ] = None,
@@ -61,6 +69,7 @@ def compare(
             duration,
             start,
             parsed_settings(settings, params, friction=friction),
+            speed,
             json_file,
         )
         picture = png or Path(f"{path.stem}_comparison.png")
@@ -72,6 +81,7 @@ def _compared(
     duration: float,
     keyframe: str | int | None,
     settings: dict[str, Any],
+    speed: float | None,
     json_file: str | None,
 ) -> Comparison:
     """Returns the comparison, showing its progress."""
@@ -81,6 +91,7 @@ def _compared(
             duration=duration,
             keyframe=keyframe,
             progress=report,
+            speed=speed,
             settings=settings,
         )
 
@@ -101,3 +112,4 @@ def _show_comparison(comparison: Comparison, png: Path, json_file: str | None) -
         console.out(comparison.note)
     console.out(f"\nimpact speed v0 = {comparison.impact_speed:.4f} m/s")
     console.out(f"picture: {picture}")
+    exit_if_unsound(comparison.remarks)

@@ -27,6 +27,14 @@ SetOption = Annotated[
         "--set", metavar="KEY=VALUE", help="Setting of the impact law; repeatable."
     ),
 ]
+SpeedOption = Annotated[
+    float | None,
+    typer.Option(
+        "--speed",
+        help="Closing speed of the fastest impact expected [m/s]; sets the gap in "
+        "which contacts are seen.",
+    ),
+]
 ParamsOption = Annotated[
     Path | None,
     typer.Option(

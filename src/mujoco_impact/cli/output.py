@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 import json
 import sys
-from collections.abc import Callable, Iterator
+import warnings
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import typer
@@ -14,9 +15,13 @@ from rich.progress import Progress, SpinnerColumn, TextColumn
 
 import cradle_models
 from mujoco_impact.cli.console import PlainConsole
-from mujoco_impact.errors import ImpactError
+from mujoco_impact.errors import ImpactError, ImpactWarning
 from mujoco_impact.files import write_text
 from mujoco_impact.printable import printable
+from mujoco_impact.remarks import ENERGY, Remark
+
+UNSOUND = 1
+"""Exit code when a run cannot be trusted."""
 
 USER_ERROR = 2
 """Exit code when the input or the installation is to blame."""
@@ -24,13 +29,24 @@ USER_ERROR = 2
 
 @contextlib.contextmanager
 def clean_errors() -> Iterator[None]:
-    """Turns expected errors into one sentence on standard error and exit code 2."""
+    """Turns expected errors into one sentence on standard error and exit code 2.
+
+    Warnings of this package become a sentence there, too.
+    """
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", ImpactWarning)
+            warnings.showwarning = _show_warning
+            yield
     except (ImpactError, cradle_models.CradleModelError, ValueError, OSError) as error:
         text = printable(" ".join(str(error).split()))
         typer.echo(f"mujoco-impact: {text}", err=True)
         raise typer.Exit(USER_ERROR) from error
+
+
+def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
+    """Writes a warning to standard error; where in the code it arose says nothing."""
+    typer.echo(f"mujoco-impact: warning: {' '.join(str(message).split())}", err=True)
 
 
 def console_of(json_file: str | None) -> Console:
@@ -48,6 +64,12 @@ def progress(json_file: str | None) -> Iterator[Callable[[str], None]]:
     with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
         task = bar.add_task("starting")
         yield lambda text: bar.update(task, description=text)
+
+
+def exit_if_unsound(remarks: Iterable[Remark]) -> None:
+    """Ends the command with exit code 1 if a run gained energy from nowhere."""
+    if any(remark.kind == ENERGY for remark in remarks):
+        raise typer.Exit(UNSOUND)
 
 
 def write_json(json_file: str | None, document: dict[str, Any]) -> None:

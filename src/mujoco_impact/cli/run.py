@@ -18,9 +18,17 @@ from mujoco_impact.cli.options import (
     ModelArgument,
     ParamsOption,
     SetOption,
+    SpeedOption,
 )
-from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
+from mujoco_impact.cli.output import (
+    clean_errors,
+    console_of,
+    exit_if_unsound,
+    progress,
+    write_json,
+)
 from mujoco_impact.cli.scenes import parsed_settings, scene_of, start_keyframe
+from mujoco_impact.remarks import NO_IMPACT
 from mujoco_impact.runner import run as run_model
 from mujoco_impact.trajectory import Trajectory
 
@@ -34,6 +42,7 @@ def run(
     settings: SetOption = None,
     params: ParamsOption = None,
     friction: FrictionOption = False,
+    speed: SpeedOption = None,
     every: Annotated[int, typer.Option(help="Steps between two samples.")] = 1,
     native: Annotated[
         bool, typer.Option("--native", help="Leave all contacts to MuJoCo.")
@@ -45,9 +54,8 @@ def run(
 ) -> None:
     """Simulate a model with our impacts and list them."""
     with clean_errors():
-        spec = scene_of(
-            model, parsed_settings(settings, params, friction=friction), native=native
-        )
+        options = parsed_settings(settings, params, friction=friction, speed=speed)
+        spec = scene_of(model, options, native=native)
         begin = time.perf_counter()
         with progress(json_file) as report:
             trajectory = run_model(
@@ -60,6 +68,7 @@ def run(
         elapsed = time.perf_counter() - begin
         saved = None if out is None else trajectory.save(out)
         _show_run(spec.modelname, trajectory, elapsed, saved, json_file)
+        exit_if_unsound(trajectory.remarks)
 
 
 def _show_run(
@@ -82,6 +91,7 @@ def _show_run(
         "qvel": trajectory.qvel[-1].tolist(),
         "impacts": [dataclasses.asdict(impact) for impact in trajectory.impacts],
         "missed_impacts": trajectory.missed_impacts,
+        "remarks": [dataclasses.asdict(remark) for remark in trajectory.remarks],
         "trajectory": None if saved is None else str(saved),
     }
     write_json(json_file, document)
@@ -94,5 +104,9 @@ def _show_run(
         f"{scene}: {trajectory.time[-1]:g} s simulated in {elapsed:.3f} s, "
         f"{tables.energy_line(trajectory)}"
     )
+    for remark in trajectory.remarks:
+        # the others have been warned of
+        if remark.kind == NO_IMPACT:
+            console.out(remark.text)
     if saved is not None:
         console.out(f"trajectory: {saved}")

@@ -12,7 +12,7 @@ from mujoco_impact.calibration.parameters import read_parameters
 from mujoco_impact.cli.options import START_KEYFRAME
 from mujoco_impact.errors import ConfigError, SceneError
 from mujoco_impact.ownership import owned_geoms
-from mujoco_impact.scene import attach
+from mujoco_impact.scene import attach, detach
 from mujoco_impact.settings import attributes
 from mujoco_impact.source import read_spec
 
@@ -32,34 +32,42 @@ def model_path(model: str) -> Path:
 
 
 def scene_of(model: str, settings: dict[str, Any], *, native: bool) -> mujoco.MjSpec:
-    """Returns the scene to run; one that has the plugin already stays as it is."""
+    """Returns the scene to run, with the plugin or, `native`, without it.
+
+    A scene that has the plugin already keeps it as it is.
+    """
     spec = read_spec(model_path(model))
     present = owned_geoms(spec)
     if settings and (present or native):
         reason = "it runs with --native" if native else "it has the plugin already"
-        msg = f"--set and --params have no effect on {model!r}: {reason}"
+        msg = f"--set, --params and --speed have no effect on {model!r}: {reason}"
         raise ConfigError(msg)
-    if native or present:
-        return spec
-    return attach(spec, **settings)
+    if native:
+        return detach(spec) if present else spec
+    return spec if present else attach(spec, **settings)
 
 
 def parsed_settings(
-    settings: list[str] | None, params: Path | None = None, *, friction: bool = False
+    settings: list[str] | None,
+    params: Path | None = None,
+    *,
+    friction: bool = False,
+    speed: float | None = None,
 ) -> dict[str, Any]:
-    """Returns the settings of a file of parameters, then those given as KEY=VALUE.
+    """Returns what `attach` is given: a file of parameters, then KEY=VALUE.
 
     Args:
         settings: Texts KEY=VALUE.
         params: File of parameters.
         friction: Whether to take its friction factors, too.
+        speed: See `attach`.
     """
-    parsed: dict[str, Any] = {}
+    parsed: dict[str, Any] = {} if speed is None else {"speed": speed}
     if friction and params is None:
         raise ConfigError("--friction needs --params, which has its factors")
     if params is not None:
         found = read_parameters(params)
-        parsed = {"law": "calibrated", **found.settings}
+        parsed |= {"law": "calibrated", **found.settings}
         if friction:
             parsed |= found.friction
     for setting in settings or []:

@@ -5,11 +5,16 @@ from __future__ import annotations
 import dataclasses
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mujoco_impact.cli.options import JsonOption, KeyframeOption, SetOption
+from mujoco_impact.cli.options import (
+    JsonOption,
+    KeyframeOption,
+    SetOption,
+    SpeedOption,
+)
 from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
 from mujoco_impact.cli.scenes import model_path, parsed_settings, start_keyframe
 from mujoco_impact.errors import ConfigError
@@ -62,6 +67,7 @@ def stress(
     ] = 1.0,
     keyframe: KeyframeOption = None,
     settings: SetOption = None,
+    speed: SpeedOption = None,
     out: Annotated[
         Path | None, typer.Option(help="Report to write (markdown).")
     ] = None,
@@ -70,7 +76,14 @@ def stress(
     """Look for where impacts break: in random scenes, or in a scene of your own."""
     with clean_errors():
         if model is not None:
-            _stress_model(model, duration, keyframe, settings, out, json_file)
+            _stress_model(
+                model,
+                duration,
+                keyframe,
+                parsed_settings(settings, speed=speed),
+                out,
+                json_file,
+            )
         elif seed is not None:
             _show_case(seed, _family(family), shrink, json_file)
         else:
@@ -179,7 +192,7 @@ def _stress_model(
     model: str,
     duration: float,
     keyframe: str | None,
-    settings: list[str] | None,
+    settings: dict[str, Any],
     out: Path | None,
     json_file: str | None,
 ) -> None:
@@ -194,7 +207,7 @@ def _stress_model(
             path,
             duration=duration,
             keyframe=start,
-            settings=parsed_settings(settings),
+            settings=settings,
             progress=tell,
         )
     console = console_of(json_file)

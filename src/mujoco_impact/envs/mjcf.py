@@ -24,6 +24,7 @@ def attach_mjcf(
     name: str = "impact",
     gap: float | None = None,
     depth: float | None = None,
+    speed: float | None = None,
     **settings: Setting,
 ) -> Any:
     """Gives the impacts of a PyMJCF model to the plugin, in place.
@@ -39,6 +40,7 @@ def attach_mjcf(
         name: Name of the plugin instance, the tuple and the sensor.
         gap: See `mujoco_impact.attach`.
         depth: See `mujoco_impact.attach`.
+        speed: See `mujoco_impact.attach`.
         **settings: Settings of the impact law.
 
     Returns:
@@ -51,7 +53,13 @@ def attach_mjcf(
     _name_geoms(root)
     wanted = None if geoms is None else [_identifier(geom) for geom in geoms]
     spec = attach(
-        _specification(root), geoms=wanted, name=name, gap=gap, depth=depth, **settings
+        _specification(root),
+        geoms=wanted,
+        name=name,
+        gap=gap,
+        depth=depth,
+        speed=speed,
+        **settings,
     )
     owned = {
         geom: root.find("geom", geom)

@@ -73,7 +73,7 @@ def findings_table(findings: Iterable[Finding]) -> str:
             f"{finding.deepest:.1e}",
             f"{finding.farthest:.2g}",
             str(finding.native),
-            "; ".join(finding.problems) or "sound",
+            "; ".join((*(finding.problems or ("sound",)), *finding.differences)),
         )
         for finding in findings
     ]

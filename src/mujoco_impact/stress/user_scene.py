@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import mujoco
@@ -13,13 +13,16 @@ from mujoco_impact.errors import SceneError
 from mujoco_impact.limits import check_recording
 from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.pulses import PulseReader
+from mujoco_impact.remarks import ENERGY, FAST, NO_IMPACT, PASSING
 from mujoco_impact.runner import collected_warnings, initial_data, step_count
 from mujoco_impact.scene import attach
 from mujoco_impact.settings import Setting
 from mujoco_impact.source import Source, read_spec
 from mujoco_impact.specifications import compile_spec, copy_spec
 from mujoco_impact.stress.case import INTEGRATORS
+from mujoco_impact.stress.outcomes import Outcome, differences
 from mujoco_impact.trajectory import Array
+from mujoco_impact.verdict import RunWatch
 
 TIMESTEPS = (0.1, 0.5, 2.0, 5.0)
 """Timesteps tried, over that of the scene."""
@@ -29,10 +32,6 @@ SPEEDS = (0.1, 3.0, 10.0)
 
 RESTITUTIONS = (1.0, 0.5, 0.0)
 """Coefficients of restitution tried, for a scene without the plugin."""
-
-ENERGY = 1e-2
-"""Growth of energy that is a problem, over the largest kinetic energy, beyond its
-change in the same run without contacts."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,6 +68,7 @@ class Finding:
         native: Steps in which MuJoCo's own contacts of owned geoms took part.
         same_bits: Whether a second run ended in the same bits.
         problems: What is wrong, in words; empty if nothing is.
+        differences: Where it comes to something else than with the finest timestep.
     """
 
     variation: str
@@ -80,6 +80,7 @@ class Finding:
     native: int
     same_bits: bool
     problems: tuple[str, ...]
+    differences: tuple[str, ...] = ()
 
 
 def stress_scene(
@@ -111,13 +112,31 @@ def stress_scene(
     if owned_geoms(spec) and settings:
         msg = "the scene has the plugin already: settings have no effect on it"
         raise SceneError(msg)
-    findings = []
-    for variation in variations(spec, keyframe):
+    ways = variations(spec, keyframe)
+    findings, outcomes = [], []
+    for variation in ways:
         if progress is not None:
             progress(variation.name)
         varied = _varied(spec, variation, settings or {})
-        findings.append(_find(varied, variation, duration, keyframe))
-    return findings
+        finding, outcome = _find(varied, variation, duration, keyframe)
+        findings.append(finding)
+        outcomes.append(outcome)
+    return _compared(ways, findings, outcomes)
+
+
+def _compared(
+    ways: Sequence[Variation], findings: Sequence[Finding], outcomes: Sequence[Outcome]
+) -> list[Finding]:
+    """Returns the findings, those of other timesteps compared with the finest one."""
+    finest = min(range(len(ways)), key=lambda index: ways[index].timestep)
+    compared = []
+    for way, finding, outcome in zip(ways, findings, outcomes, strict=True):
+        only_timestep = way == Variation(way.name, timestep=way.timestep)
+        if only_timestep and way != ways[finest]:
+            told = differences(outcome, outcomes[finest], ways[finest].name)
+            finding = dataclasses.replace(finding, differences=told)
+        compared.append(finding)
+    return compared
 
 
 def variations(
@@ -158,8 +177,8 @@ def _find(
     variation: Variation,
     duration: float,
     keyframe: str | int | None,
-) -> Finding:
-    """Runs one variation twice and says what it showed."""
+) -> tuple[Finding, Outcome]:
+    """Runs one variation twice and says what it showed, and came to."""
     owned = owned_geoms(spec)
     model = compile_spec(spec)
     model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
@@ -170,20 +189,19 @@ def _find(
     first, second = (
         _Watch(model, geoms, variation, duration, keyframe) for _ in range(2)
     )
-    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
-    apart = _Watch(model, geoms, variation, duration, keyframe)
-    allowed = ENERGY + abs(apart.energy_change)
-    return Finding(
+    same_bits = first.bits == second.bits
+    finding = Finding(
         variation=variation.name,
-        impacts=len(first.pulses.impacts) + first.pulses.missed,
+        impacts=first.outcome.count,
         missed=first.pulses.missed,
-        energy=first.energy_change,
+        energy=first.outcome.energy,
         deepest=first.deepest,
         farthest=first.farthest,
         native=first.native,
-        same_bits=first.bits == second.bits,
-        problems=tuple(_problems(first, first.bits == second.bits, allowed)),
+        same_bits=same_bits,
+        problems=tuple(_problems(first, same_bits)),
     )
+    return finding, first.outcome
 
 
 class _Watch:
@@ -204,21 +222,22 @@ class _Watch:
         self._data = initial_data(model, keyframe=keyframe)
         self._data.qvel[:] *= variation.speed
         self.pulses = PulseReader(model, self._data)
+        watch = RunWatch(model, self._data)
         # an owned geom is seen from its gap and margin on
         sight = model.geom_gap[geoms] + model.geom_margin[geoms]
         self._sight = np.maximum(sight, 1e-300)
         steps = step_count(model, duration)
-        check_recording(steps, 2)
-        energy = np.empty((steps, 2))
+        check_recording(steps, 4 + model.nv)
+        time, qvel, energy = [0.0], [self._data.qvel.copy()], []
         with collected_warnings() as messages:
-            for step in range(steps):
-                energy[step] = self._step()
+            for _ in range(steps):
+                energy.append(self._step())
+                watch.after_step()
+                time.append(time[-1] + float(model.opt.timestep))
+                qvel.append(self._data.qvel.copy())
+                if messages:
+                    break
         self.warnings = tuple(messages)
-        total, kinetic = energy.sum(axis=1), energy[:, 1]
-        largest = float(kinetic.max())
-        self.energy_change = (
-            float(total[-1] - total[0]) / largest if largest > 0 else 0.0
-        )
         self.finite = bool(
             np.isfinite(self._data.qpos).all() and np.isfinite(self._data.qvel).all()
         )
@@ -226,6 +245,15 @@ class _Watch:
             self._data.qpos.tobytes()
             + self._data.qvel.tobytes()
             + self._data.plugin_state.tobytes()
+        )
+        energies = np.array(energy)
+        self.remarks = watch.remarks(np.array(time[:-1]), energies, self.pulses.impacts)
+        self.outcome = Outcome(
+            time=np.array(time),
+            qvel=np.array(qvel),
+            impacts=sorted(self.pulses.impacts, key=lambda impact: impact.time),
+            count=len(self.pulses.impacts) + self.pulses.missed,
+            energy=_change(energies),
         )
 
     def _step(self) -> Array:
@@ -250,8 +278,14 @@ class _Watch:
         self.native += bool(np.any(data.contact.efc_address[ours] >= 0))
 
 
-def _problems(watch: _Watch, same_bits: bool, allowed: float) -> list[str]:
-    """Returns what is wrong with a run, in words; energy may grow as far as allowed."""
+def _change(energies: Array) -> float:
+    """Returns the change of energy over the largest kinetic energy; 0 at rest."""
+    total, largest = energies.sum(axis=1), float(energies[:, 1].max())
+    return float(total[-1] - total[0]) / largest if largest > 0 else 0.0
+
+
+def _problems(watch: _Watch, same_bits: bool) -> list[str]:
+    """Returns what is wrong with a run, in words, each with its likely cause."""
     problems = [
         f"MuJoCo warns: {' '.join(text.split())}" for text in watch.warnings[:1]
     ]
@@ -259,13 +293,18 @@ def _problems(watch: _Watch, same_bits: bool, allowed: float) -> list[str]:
         problems.append("the state is not finite")
     if not same_bits:
         problems.append("a second run ends in other bits")
-    if watch.farthest > 1:
+    kinds = {remark.kind: remark.text for remark in watch.remarks}
+    if NO_IMPACT in kinds and not kinds.keys() & {FAST, PASSING}:
+        problems.append("nothing touched: nothing can be said")
+    problems += [kinds[kind] for kind in (ENERGY, PASSING) if kind in kinds]
+    if FAST in kinds:
+        problems.append(f"impacts may be missed: {kinds[FAST]}")
+    # energy from nowhere makes bodies fast: then it is not the gap that is to blame
+    if watch.farthest > 1 and not kinds.keys() & {ENERGY, FAST}:
         problems.append(
             f"a geom flies {watch.farthest:.3g} times the gap in one step: impacts "
-            f"may be missed; attach(gap=...) or a smaller timestep"
+            f"may be missed; attach(speed=...), or a smaller timestep"
         )
-    if watch.energy_change > allowed:
-        problems.append(f"energy grows by {watch.energy_change:.2g}")
     impulses = [impact.impulse for impact in watch.pulses.impacts]
     if impulses and min(impulses) < 0:
         problems.append(f"a contact pulls: {min(impulses):.3g} N s")
