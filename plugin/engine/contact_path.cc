@@ -84,10 +84,12 @@ Vector3 ContactPath::DistanceRate(mjtNum tau) const {
 
 mjtNum ContactPath::GapRate(mjtNum tau) const { return Dot(Normal(tau), DistanceRate(tau)); }
 
-mjtNum ContactPath::RestSpeed(const mjModel* m, mjtNum tau) const {
-  if (anchor_.carried) return LargestRestSpeed(m);
-  const Vector3 opening = of_side_[1].acceleration - of_side_[0].acceleration;
-  return engine::RestSpeed(m, -Dot(Normal(tau), opening));
+mjtNum ContactPath::RestSpeed(const mjModel* m, const mjData* d, mjtNum tau) const {
+  const Vector3 normal = Normal(tau);
+  const mjtNum first = Dot(normal, of_side_[0].acceleration);
+  const mjtNum second = Dot(normal, of_side_[1].acceleration);
+  if (!anchor_.carried) return engine::RestSpeed(m, d, first - second);
+  return CarriedRestSpeed(m, d, std::max({first - second, std::abs(first), std::abs(second)}));
 }
 
 mjtNum ContactPath::NearestTime(mjtNum from, mjtNum end) const {

@@ -30,7 +30,7 @@ mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& contact)
 inline bool MayClose(const mjModel* m, const mjData* d, const mjContact& contact, mjtNum touch) {
   const mjtNum c = ClosingSpeed(m, d, contact);
   if (c <= 0 || contact.dist - c * m->opt.timestep >= -touch) return false;
-  return !IsCarried(contact) || c > LargestRestSpeed(m);
+  return !IsCarried(contact) || c > SmallestCarriedSpeed(m, d);
 }
 
 // A contact as two points of its bodies, so that its gap is known wherever the bodies are.
@@ -61,7 +61,7 @@ class ContactPath {
   mjtNum Gap(mjtNum tau) const;
   mjtNum GapRate(mjtNum tau) const;
   // The speed up to which the contact is at rest [m/s].
-  mjtNum RestSpeed(const mjModel* m, mjtNum tau) const;
+  mjtNum RestSpeed(const mjModel* m, const mjData* d, mjtNum tau) const;
   Vector3 Normal(mjtNum tau) const;
   // How fast the normal turns [rad/s].
   mjtNum TurnRate(mjtNum tau) const;

@@ -27,7 +27,7 @@ bool IsDue(const mjModel* m, const mjData* d, const Outlook& outlook, const Moti
   const mjtNum late = outlook.start == 0 ? kLatest * h : outlook.start;
   const ContactPath path(m, d, anchor, outlook.motion);
   if (!path.ClosingTime(from, end, late, touch, tau)) return false;
-  if (-path.GapRate(*tau) <= path.RestSpeed(m, *tau)) return false;
+  if (-path.GapRate(*tau) <= path.RestSpeed(m, d, *tau)) return false;
   if (outlook.start > 0) *tau = std::max(*tau, since);
   // with pulses under way, a contact that they will part is not an impact
   return !outlook.arrears || ContactPath(m, d, anchor, settled).Closes(0, h, touch);

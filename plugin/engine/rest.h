@@ -9,8 +9,10 @@
 // left to MuJoCo's solver, which carries what rests. a is the acceleration with which the gap
 // closes, and no more than 1.5 g: a light foot on a strong joint is pressed by hundreds of m/s²
 // until it lands, and its landing is an impact. Where bodies overlap and the solver carries them
-// already, a is that bound, for what presses them may come through others. Nothing presses the
-// balls of a cradle: there every closing is an impact.
+// already, a is at least that, for what presses them may come through others, and as much as
+// presses either body. Nothing presses the balls of a cradle: there every closing is an impact. g
+// is the gravity of the scene or, without it, that of the earth if anything else may press:
+// actuators, springs, applied forces.
 
 #ifndef MUJOCO_IMPACT_ENGINE_REST_H_
 #define MUJOCO_IMPACT_ENGINE_REST_H_
@@ -21,15 +23,22 @@
 
 namespace mujoco_impact::engine {
 
-// u_rest of a contact that MuJoCo carries, the largest of any [m/s].
-inline mjtNum LargestRestSpeed(const mjModel* m) {
-  if (m->opt.disableflags & mjDSBL_GRAVITY) return 0;
-  return 2 * m->opt.timestep * 1.5 * mju_norm3(m->opt.gravity);
+// The largest u_rest of a contact that MuJoCo does not carry, and the smallest of one that it does
+// [m/s].
+mjtNum LargestRestSpeed(const mjModel* m, const mjData* d);
+inline mjtNum SmallestCarriedSpeed(const mjModel* m, const mjData* d) {
+  return LargestRestSpeed(m, d);
 }
 
 // u_rest of a contact whose gap closes with the acceleration `pressing` [m/s].
-inline mjtNum RestSpeed(const mjModel* m, mjtNum pressing) {
-  return std::clamp<mjtNum>(2 * m->opt.timestep * pressing, 0, LargestRestSpeed(m));
+inline mjtNum RestSpeed(const mjModel* m, const mjData* d, mjtNum pressing) {
+  if (pressing <= 0) return 0;
+  return std::min(2 * m->opt.timestep * pressing, LargestRestSpeed(m, d));
+}
+
+// u_rest of a contact that MuJoCo carries, each of its bodies pressed by up to `pressing` [m/s].
+inline mjtNum CarriedRestSpeed(const mjModel* m, const mjData* d, mjtNum pressing) {
+  return std::max(2 * m->opt.timestep * pressing, SmallestCarriedSpeed(m, d));
 }
 
 }  // namespace mujoco_impact::engine

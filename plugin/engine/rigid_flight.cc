@@ -162,12 +162,12 @@ Vector3 SpinAfter(const RigidInertia& inertia, const Vector3& unstruck, const Ve
   return found > 0 ? std::sqrt(energy / found) * spin : spin;
 }
 
-// A contact that the solver leaves alone.
-bool IsSilent(const mjModel* m, const mjData* d, int i) {
+// A row of a contact that the solver leaves alone.
+bool IsSilentRow(const mjData* d, int i) {
   const int type = d->efc_type[i];
   const bool contact = type == mjCNSTR_CONTACT_FRICTIONLESS || type == mjCNSTR_CONTACT_PYRAMIDAL ||
                        type == mjCNSTR_CONTACT_ELLIPTIC;
-  return contact && IsOnTheMove(m, d, d->contact[d->efc_id[i]]);
+  return contact && IsSilent(d, d->contact[d->efc_id[i]]);
 }
 
 // Trees that a constraint of MuJoCo may hold.
@@ -176,7 +176,7 @@ void FindHeld(const mjModel* m, const mjData* d, bool* held) {
   const int nv = static_cast<int>(m->nv);
   const bool sparse = mj_isSparse(m);
   for (int i = 0; i < d->nefc; ++i) {
-    if (IsSilent(m, d, i)) continue;
+    if (IsSilentRow(d, i)) continue;
     const int begin = sparse ? d->efc_J_rowadr[i] : i * nv;
     const int count = sparse ? d->efc_J_rownnz[i] : nv;
     for (int a = begin; a < begin + count; ++a) {

@@ -54,7 +54,7 @@ void NoteCarried(const mjModel* m, const mjData* d, int instance, State& state) 
   for (int i = 0; i < state.capacity(); ++i) state.record(i).carried = 0;
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
-    if (!IsTakenOver(ownership, contact) || IsOnTheMove(m, d, contact)) continue;
+    if (!IsTakenOver(ownership, contact) || IsSilent(d, contact)) continue;
     for (const int geom : contact.geom) {
       const int index = ownership.Index(geom);
       if (index >= 0) state.record(index).carried = 1;

@@ -10,19 +10,16 @@
 
 #include <mujoco/mujoco.h>
 
-#include "engine/ownership.h"
-
 namespace mujoco_impact::engine {
 
-// Whether the solver acts on an offered contact whose bodies move along its normal faster than at
-// rest.
-bool IsOnTheMove(const mjModel* m, const mjData* d, const mjContact& contact);
+// Silences all owned contacts whose bodies move along the normal faster than at rest.
+void SilenceMoving(const mjModel* m, mjData* d, int instance);
 
 // Makes the solver see the contact with this index as open, however fast it closes.
 void Silence(mjData* d, int contact);
 
-// Silences all owned contacts that are on the move.
-void SilenceMoving(const mjModel* m, mjData* d, int instance);
+// Whether that was done.
+bool IsSilent(const mjData* d, const mjContact& contact);
 
 }  // namespace mujoco_impact::engine
 

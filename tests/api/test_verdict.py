@@ -162,7 +162,7 @@ def test_every_shape_is_seen(shape: str, floor: str) -> None:
         "hfield": 'type="hfield" hfield="h"',
         **SHAPES,
     }
-    xml = f"""<mujoco><option gravity="0 0 0"/><asset>
+    xml = f"""<mujoco><option gravity="0 0 0" integrator="RK4"/><asset>
       <hfield name="h" nrow="10" ncol="10" size="1 1 .1 .1" elevation="{HEIGHTS}"/>
       <mesh name="wedge" vertex="0 0 0 .05 0 0 0 .05 0 0 0 .05"/></asset><worldbody>
       <geom name="floor" {grounds[floor]}/><body pos="0 0 .5"><freejoint/>
