@@ -62,7 +62,7 @@ def parsed_settings(
         friction: Whether to take its friction factors, too.
         speed: See `attach`.
     """
-    parsed: dict[str, Any] = {} if speed is None else {"speed": speed}
+    parsed: dict[str, Any] = {}
     if friction and params is None:
         raise ConfigError("--friction needs --params, which has its factors")
     if params is not None:
@@ -78,7 +78,7 @@ def parsed_settings(
         parsed[key.strip()] = value.strip()
     # other arguments of `attach` are no settings
     attributes(parsed)
-    return parsed
+    return parsed if speed is None else {"speed": speed, **parsed}
 
 
 def start_keyframe(spec: mujoco.MjSpec, keyframe: str | None) -> str | int | None:
