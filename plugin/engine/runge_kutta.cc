@@ -29,10 +29,13 @@ bool IsCarried(const Ownership& ownership, State& state, int geom) {
 }
 
 // Makes the solver see the contact as open, however fast it closes: a_ref = −k d (pos − margin).
+// All rows of a pyramid push the bodies apart. Of an elliptic cone only the first does: the others
+// are friction, to which a reference is a demand.
 void Silence(mjData* d, int contact) {
   constexpr mjtNum kOpening = 1e15;  // beyond any acceleration of a sane state [m/s²]
   const int begin = d->contact[contact].efc_address, type = d->efc_type[begin];
-  for (int i = begin; i < d->nefc && d->efc_type[i] == type && d->efc_id[i] == contact; ++i) {
+  const int end = type == mjCNSTR_CONTACT_ELLIPTIC ? begin + 1 : static_cast<int>(d->nefc);
+  for (int i = begin; i < end && d->efc_type[i] == type && d->efc_id[i] == contact; ++i) {
     d->efc_pos[i] = d->efc_margin[i] + 1;
     mjtNum* KBI = d->efc_KBIP + 4 * i;
     KBI[0] = kOpening;
