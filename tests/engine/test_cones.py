@@ -11,7 +11,8 @@ RADIUS, FRICTIONS = 0.02, (1, 3, 4, 6)
 
 SCENE = """
 <mujoco>
-  <option timestep="0.002" integrator="{integrator}" cone="{cone}" jacobian="{jacobian}">
+  <option timestep="0.002" integrator="{integrator}" cone="{cone}"
+          jacobian="{jacobian}">
     <flag energy="enable"/>
   </option>
   <worldbody>
