@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/islands.h"
+#include "engine/silence.h"
 
 namespace mujoco_impact::engine {
 
@@ -39,6 +40,24 @@ mjtNum FreeSince(const mjModel* m, const mjContact& contact, const mjtNum* busy)
   return free;
 }
 
+// The greatest closing speed of the step, at its start or with what pulses add to it; not negative.
+mjtNum FastestClosing(const mjModel* m, const mjData* d, const mjContact& contact,
+                      const mjtNum* kick) {
+  const mjtNum speed = ClosingSpeed(m, d, contact);
+  if (!kick) return std::max<mjtNum>(0, speed);
+  Vector3 added[2];
+  for (int i = 0; i < 2; ++i) {
+    const BodyPoint point{m->geom_bodyid[contact.geom[i]], Load(contact.pos)};
+    added[i] = PointVelocityBy(m, d, point, kick);
+  }
+  return std::max({mjtNum{0}, speed, speed + Dot(Load(contact.frame), added[0] - added[1])});
+}
+
+// Gap that the contact has at least by the end of the step, if nothing strikes [m].
+mjtNum LowestGap(const mjModel* m, const mjData* d, const mjContact& contact, const mjtNum* kick) {
+  return contact.dist - FastestClosing(m, d, contact, kick) * m->opt.timestep;
+}
+
 }  // namespace
 
 bool AnyMayClose(const mjModel* m, const mjData* d, mjtNum touch) {
@@ -49,13 +68,25 @@ bool AnyMayClose(const mjModel* m, const mjData* d, mjtNum touch) {
   return false;
 }
 
+bool AnyMayCloseByPulses(const mjModel* m, const mjData* d, mjtNum touch, const mjtNum* kick) {
+  for (int i = 0; i < d->ncon; ++i) {
+    const mjContact& contact = d->contact[i];
+    if (!IsReleased(contact) && !IsDeep(contact)) continue;
+    if (LowestGap(m, d, contact, kick) < std::min(-touch, contact.dist)) return true;
+  }
+  return false;
+}
+
 Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership,
-                        Scratch& scratch) {
+                        const State& state, const mjtNum* kick, Scratch& scratch) {
   int* owned = scratch.Take<int>(d->ncon);
   int count = 0;
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
-    if (!IsReleased(contact) || !ownership.Owns(contact)) continue;
+    const bool ours = IsReleased(contact)
+                          ? ownership.Owns(contact)
+                          : IsTakenOver(ownership, contact) && HasPulse(state, contact);
+    if (!ours) continue;
     const ContactTrees trees = TreesOf(m, contact);
     if (trees.tree[0] >= 0 || trees.tree[1] >= 0) owned[count++] = i;
   }
@@ -73,9 +104,7 @@ Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& owne
   std::fill_n(gathered.relevant, count, true);
   std::fill_n(gathered.idle, count, false);
   for (int k = 0; k < count; ++k) {
-    const mjContact& contact = d->contact[owned[k]];
-    const mjtNum speed = std::max<mjtNum>(0, ClosingSpeed(m, d, contact));
-    gathered.lowest[k] = contact.dist - speed * m->opt.timestep;
+    gathered.lowest[k] = LowestGap(m, d, d->contact[owned[k]], kick);
   }
   return gathered;
 }
@@ -110,7 +139,7 @@ bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum t
     const mjContact& contact = d->contact[gathered.contact[k]];
     gathered.due[k] = false;
     if (!gathered.relevant[k] || gathered.idle[k]) continue;
-    // the bodies are still where MuJoCo found the contact: its velocities tell
+    // the bodies are still where MuJoCo found the contact: its velocities tell, and the pulses'
     if (outlook.start == 0 && gathered.lowest[k] >= -touch) continue;
     const mjtNum since = FreeSince(m, contact, busy) - outlook.start;
     mjtNum tau;

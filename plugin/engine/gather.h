@@ -13,13 +13,19 @@
 #include "engine/outlook.h"
 #include "engine/ownership.h"
 #include "engine/scratch.h"
+#include "engine/state.h"
 
 namespace mujoco_impact::engine {
 
 // Whether any released contact may close within the step: all that most steps ever ask.
 bool AnyMayClose(const mjModel* m, const mjData* d, mjtNum touch);
 
-// The owned contacts between bodies of which at least one moves.
+// The same where pulses are under way, which add `kick` to the velocity in this step (nv): contacts
+// deeper than their depth may close, too.
+bool AnyMayCloseByPulses(const mjModel* m, const mjData* d, mjtNum touch, const mjtNum* kick);
+
+// The owned contacts between bodies of which at least one moves, those deeper than their depth
+// included while a pulse presses there. `kick` is null if no pulse is under way.
 struct Gathered {
   int count;
   int* contact;           // indices into mjData.contact
@@ -34,7 +40,7 @@ struct Gathered {
 };
 
 Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership,
-                        Scratch& scratch);
+                        const State& state, const mjtNum* kick, Scratch& scratch);
 
 // The anchor of contact k, made while the bodies are still where MuJoCo found the contacts.
 const ContactAnchor& Anchor(const mjModel* m, const mjData* d, Gathered& gathered, int k);

@@ -34,8 +34,8 @@ constexpr mjtNum kShortPulses = 0.5;
 
 class Resolver {
  public:
-  Resolver(const mjModel* m, mjData* d, int instance, const Mobility& mobility, State& state,
-           Delivery& delivery, Scratch& scratch)
+  Resolver(const mjModel* m, mjData* d, int instance, const Mobility& mobility, const mjtNum* kick,
+           State& state, Delivery& delivery, Scratch& scratch)
       : m_(m),
         d_(d),
         ownership_(m, instance),
@@ -46,7 +46,7 @@ class Resolver {
         scratch_(scratch),
         bent_(ActiveEnd(state) > kShortPulses * m->opt.timestep),
         impacts_(bent_ ? MakeDelivery(m, scratch) : delivery),
-        contacts_(GatherContacts(m, d, ownership_, scratch)),
+        contacts_(GatherContacts(m, d, ownership_, state, kick, scratch)),
         struck_(m, d, mobility, scratch) {}
 
   void Run();
@@ -289,8 +289,8 @@ void Resolver::RunRounds() {
 }  // namespace
 
 void ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
-                    State& state, Delivery& delivery, Scratch& scratch) {
-  Resolver(m, d, instance, mobility, state, delivery, scratch).Run();
+                    const mjtNum* kick, State& state, Delivery& delivery, Scratch& scratch) {
+  Resolver(m, d, instance, mobility, kick, state, delivery, scratch).Run();
 }
 
 }  // namespace mujoco_impact::engine

@@ -12,17 +12,25 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-// Of M: what else presses meanwhile, and the turning of normals, need room, too.
-constexpr mjtNum kOfDepth = 0.5;
-
 // Of 1/(1/R₁ + 1/R₂): beyond, a contact is no longer one at a point.
 constexpr mjtNum kOfRadius = 0.5;
 
-// How much deeper than at the onset bodies may come. The nearer to M they are, the less.
-mjtNum RoomOf(const ContactRow& row) {
-  constexpr mjtNum kOfRest = 0.25, kLeast = 1e-3;
-  const mjtNum depth = -row.contact->includemargin, overlap = std::max<mjtNum>(0, -row.gap);
-  return std::max({kOfDepth * depth - overlap, kOfRest * (depth - overlap), kLeast * depth});
+// Of the same: overlaps that do not matter to where bodies are.
+constexpr mjtNum kTouching = 0.08;
+
+// How much deeper than at the onset bodies may come that may be as deep as that. The deeper they
+// are, the less: what else presses meanwhile, and the turning of normals, need room, too.
+mjtNum RoomWithin(const ContactRow& row, mjtNum depth) {
+  constexpr mjtNum kHalf = 0.5, kOfRest = 0.25, kLeast = 1e-3;
+  const mjtNum overlap = std::max<mjtNum>(0, -row.gap);
+  return std::max({kHalf * depth - overlap, kOfRest * (depth - overlap), kLeast * depth});
+}
+
+mjtNum DepthOf(const ContactRow& row) { return -row.contact->includemargin; }
+
+// While an impact lasts.
+mjtNum RoomOf(const mjModel* m, const ContactRow& row) {
+  return RoomWithin(row, std::max(DepthOf(row), kTouching / ContactCurvature(m, *row.contact)));
 }
 
 // ∫∫ F_k of the waveform by time t.
@@ -34,7 +42,7 @@ mjtNum TwiceIntegrated(const IslandProblem& problem, int k, mjtNum t, mjtNum res
 }
 
 // λ at time t, `integral` ∫∫ F_k by then.
-mjtNum LessAt(const IslandSystem& system, const IslandProblem& problem, mjtNum t,
+mjtNum LessAt(const mjModel* m, const IslandSystem& system, const IslandProblem& problem, mjtNum t,
               const mjtNum* integral) {
   mjtNum* displacement = problem.work.numbers + problem.size;
   law::Multiply(system.delassus, integral, displacement);
@@ -43,19 +51,20 @@ mjtNum LessAt(const IslandSystem& system, const IslandProblem& problem, mjtNum t
     if (problem.impulse[k] <= 0) continue;
     // y = c t − g − W ∫∫ F
     const mjtNum overlap = problem.closing_speed[k] * t - problem.gap[k] - displacement[k];
-    const mjtNum room = RoomOf(system.row[k]);
+    const mjtNum room = RoomOf(m, system.row[k]);
     if (overlap > room) less = std::min(less, room / overlap);
   }
   return less;
 }
 
 // λ at time t, all impulses delivered with their moments.
-mjtNum LessOfMoments(const IslandSystem& system, const IslandProblem& problem, mjtNum t) {
+mjtNum LessOfMoments(const mjModel* m, const IslandSystem& system, const IslandProblem& problem,
+                     mjtNum t) {
   mjtNum* integral = problem.work.numbers;
   for (int k = 0; k < problem.size; ++k) {
     integral[k] = problem.impulse[k] * t - problem.moment[k];
   }
-  return LessAt(system, problem, t, integral);
+  return LessAt(m, system, problem, t, integral);
 }
 
 }  // namespace
@@ -83,7 +92,8 @@ mjtNum CompressLess(const mjModel* m, const IslandSystem& system, const IslandPr
   return less;
 }
 
-mjtNum OverlapLess(const Config& config, const IslandSystem& system, const IslandProblem& problem) {
+mjtNum OverlapLess(const mjModel* m, const Config& config, const IslandSystem& system,
+                   const IslandProblem& problem) {
   constexpr int kSamples = 8;
   const mjtNum end = EndOf(problem);
   mjtNum* integral = problem.work.numbers;
@@ -93,7 +103,7 @@ mjtNum OverlapLess(const Config& config, const IslandSystem& system, const Islan
     for (int k = 0; k < problem.size; ++k) {
       integral[k] = TwiceIntegrated(problem, k, t, config.waveform_restitution);
     }
-    less = std::min(less, LessAt(system, problem, t, integral));
+    less = std::min(less, LessAt(m, system, problem, t, integral));
   }
   return less;
 }
@@ -109,12 +119,36 @@ mjtNum TurnLess(const IslandSystem& system, const IslandProblem& problem) {
   return less;
 }
 
-mjtNum DentLess(const IslandSystem& system, const IslandProblem& problem) {
-  return LessOfMoments(system, problem, EndOf(problem));
+void PressOutDents(const IslandSystem& system, IslandProblem& problem, mjtNum t) {
+  constexpr int kSweeps = 30;
+  constexpr mjtNum kOfRoom = 0.1;
+  const law::DelassusMatrix& W = system.delassus;
+  mjtNum* free = problem.work.numbers;  // overlap if the impulses came at once
+  mjtNum* taken = free + problem.size;
+  law::Multiply(W, problem.impulse, free);
+  for (int k = 0; k < problem.size; ++k) {
+    free[k] = problem.closing_speed[k] * t - problem.gap[k] - t * free[k];
+    taken[k] = 0;
+  }
+  // y = c t − g − W (P t − M), by projected Gauss-Seidel sweeps
+  bool settled = false;
+  for (int sweep = 0; sweep < kSweeps && !settled; ++sweep) {
+    settled = true;
+    for (int k = 0; k < problem.size; ++k) {
+      if (problem.impulse[k] <= 0) continue;
+      const mjtNum room = RoomWithin(system.row[k], DepthOf(system.row[k]));
+      const mjtNum excess = free[k] + law::RowTimes(W, k, problem.moment) - room;
+      const mjtNum change = std::max(excess / W.diagonal[k], -taken[k]);
+      problem.moment[k] -= change;
+      taken[k] += change;
+      if (std::abs(change) * W.diagonal[k] > kOfRoom * room) settled = false;
+    }
+  }
 }
 
-bool MayComeAtOnce(const IslandSystem& system, const IslandProblem& problem, mjtNum time) {
-  return LessOfMoments(system, problem, time) >= 1;
+bool MayComeAtOnce(const mjModel* m, const IslandSystem& system, const IslandProblem& problem,
+                   mjtNum time) {
+  return LessOfMoments(m, system, problem, time) >= 1;
 }
 
 }  // namespace mujoco_impact::engine

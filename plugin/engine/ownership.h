@@ -45,6 +45,12 @@ inline bool IsReleased(const mjContact& contact) {
          contact.geom[0] >= 0 && contact.geom[1] >= 0;
 }
 
+// Whether a negative margin kept it from the solver until it was as deep as that.
+inline bool IsDeep(const mjContact& contact) {
+  return contact.efc_address >= 0 && contact.includemargin < 0 && contact.geom[0] >= 0 &&
+         contact.geom[1] >= 0;
+}
+
 // Upper bound of the geoms an instance owns, the same while the model is compiled and afterwards.
 // MuJoCo asks for the sizes of state and sensor before it has filled in the tuples, so the bound is
 // the number of elements of all tuples (or of all geoms, if the instance has no tuple).

@@ -40,6 +40,10 @@ inline Vector3 PointVelocity(const mjModel* m, const mjData* d, const BodyPoint&
   return Load(v + 3) + Cross(Load(v), point.position - com);
 }
 
+// Velocity of the point by other velocities of the degrees of freedom (nv).
+Vector3 PointVelocityBy(const mjModel* m, const mjData* d, const BodyPoint& point,
+                        const mjtNum* velocity);
+
 // Derivatives of the position of a point along the path of a Motion, world frame.
 struct PointDerivatives {
   Vector3 velocity;      // J V

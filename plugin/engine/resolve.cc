@@ -93,11 +93,11 @@ bool AreShorter(const IslandProblem& problem, mjtNum time) {
 
 // Gives all contacts one pulse of the duration W, or as much shorter as their depth asks for.
 // Returns whether the impulses come at once.
-bool SetCommonPulse(const Config& config, const IslandSystem& system, const ImpactTime& time,
-                    mjtNum duration, IslandProblem& problem) {
+bool SetCommonPulse(const mjModel* m, const Config& config, const IslandSystem& system,
+                    const ImpactTime& time, mjtNum duration, IslandProblem& problem) {
   std::fill_n(problem.onset, problem.size, 0);
   std::fill_n(problem.duration, problem.size, duration);
-  const mjtNum less = std::min(OverlapLess(config, system, problem), TurnLess(system, problem));
+  const mjtNum less = std::min(OverlapLess(m, config, system, problem), TurnLess(system, problem));
   mju_scl(problem.duration, problem.duration, less, problem.size);
   const mjtNum centre = law::WaveformMoment(1, config.waveform_restitution);
   for (int k = 0; k < problem.size; ++k) {
@@ -117,10 +117,13 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
   for (int i = 0;; ++i) {
     const bool over = SolveHertz(m, config, system, time, problem);
     mjtNum less = std::min(CompressLess(m, system, problem), TurnLess(system, problem));
-    if (config.restitution < 1) less = std::min(less, DentLess(system, problem));
     if (InstantRule(config) && less >= 1) {
-      at_once = AreShorter(problem, time.timestep) && MayComeAtOnce(system, problem, time.left());
-      if (!at_once) less = OverlapLess(config, system, problem);
+      if (config.restitution < 1) {
+        PressOutDents(system, problem, std::max(EndOf(problem), time.left()));
+      }
+      at_once =
+          AreShorter(problem, time.timestep) && MayComeAtOnce(m, system, problem, time.left());
+      if (!at_once) less = OverlapLess(m, config, system, problem);
     }
     if (less >= 1) return at_once;
     // an impact that does not end is none of stiffness
@@ -130,7 +133,7 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
     mju_scl(problem.stiffness, problem.stiffness, std::pow(less, -2.5), problem.size);
     time.flight *= less;
   }
-  return SetCommonPulse(config, system, time, EndOf(problem), problem);
+  return SetCommonPulse(m, config, system, time, EndOf(problem), problem);
 }
 
 // −ΔT over the sum of impulses.
@@ -190,7 +193,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
     } else if (config.duration_rule == DurationRule::kHertz) {
       W = (1 + e) / 2 * law::ContactTime(problem.stiffness[first], reduced_mass, speed);
     }
-    at_once = SetCommonPulse(config, system, time, W, problem);
+    at_once = SetCommonPulse(m, config, system, time, W, problem);
   }
   const mjtNum tau = time.start + time.tau;
   const mjtNum loss = LossPerImpulse(system, problem);

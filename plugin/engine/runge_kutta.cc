@@ -3,6 +3,7 @@
 #include "engine/runge_kutta.h"
 
 #include "engine/ownership.h"
+#include "engine/silence.h"
 
 namespace mujoco_impact::engine {
 
@@ -16,32 +17,10 @@ mjtNum Fingerprint(const mjModel* m, const mjData* d) {
   return sum;
 }
 
-// Whether the contact would be the plugin's if its bodies overlapped less.
-bool IsTakenOver(const Ownership& ownership, const mjContact& contact) {
-  return contact.efc_address >= 0 && contact.includemargin < 0 && contact.geom[0] >= 0 &&
-         contact.geom[1] >= 0 && ownership.Owns(contact);
-}
-
 // Geoms of others count as held: what matters is the body of ours.
 bool IsCarried(const Ownership& ownership, State& state, int geom) {
   const int index = ownership.Index(geom);
   return index < 0 || state.record(index).carried != 0;
-}
-
-// Makes the solver see the contact as open, however fast it closes: a_ref = −k d (pos − margin).
-// All rows of a pyramid push the bodies apart. Of an elliptic cone only the first does: the others
-// are friction, to which a reference is a demand.
-void Silence(mjData* d, int contact) {
-  constexpr mjtNum kOpening = 1e15;  // beyond any acceleration of a sane state [m/s²]
-  const int begin = d->contact[contact].efc_address, type = d->efc_type[begin];
-  const int end = type == mjCNSTR_CONTACT_ELLIPTIC ? begin + 1 : static_cast<int>(d->nefc);
-  for (int i = begin; i < end && d->efc_type[i] == type && d->efc_id[i] == contact; ++i) {
-    d->efc_pos[i] = d->efc_margin[i] + 1;
-    mjtNum* KBI = d->efc_KBIP + 4 * i;
-    KBI[0] = kOpening;
-    KBI[1] = 0;
-    KBI[2] = 1;
-  }
 }
 
 }  // namespace
@@ -68,7 +47,7 @@ void NoteCarried(const mjModel* m, const mjData* d, int instance, State& state) 
   const Ownership ownership(m, instance);
   for (int i = 0; i < state.capacity(); ++i) state.record(i).carried = 0;
   for (int i = 0; i < d->ncon; ++i) {
-    if (!IsTakenOver(ownership, d->contact[i])) continue;
+    if (!IsTakenOver(ownership, d->contact[i]) || HasPulse(state, d->contact[i])) continue;
     for (const int geom : d->contact[i].geom) {
       const int index = ownership.Index(geom);
       if (index >= 0) state.record(index).carried = 1;

@@ -47,6 +47,7 @@ struct Pulse {
   LineOfAction line_next;  // in this step; committed by advance
 
   bool under_way() const { return serial > 0 && delivered < 1; }
+  double end() const { return onset + duration; }  // on the clock [s]
   // What is yet to come in this step and after it [N s].
   double remaining() const { return scale_next * impulse * (1 - delivered); }
   // What is yet to come after this step [N s].

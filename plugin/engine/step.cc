@@ -10,6 +10,7 @@
 #include "engine/scratch.h"
 #include "engine/sensor.h"
 #include "engine/settled_energy.h"
+#include "engine/silence.h"
 #include "engine/slots.h"
 #include "engine/state.h"
 
@@ -37,8 +38,8 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   OpenStage(m, d, state);
   DiscardPending(state);
   const bool pulses = state.header().active > 0;
-  const bool closing = AnyMayClose(m, d, state.header().touch);
-  if (!pulses && !closing) return;
+  const mjtNum touch = state.header().touch;
+  if (!pulses && !AnyMayClose(m, d, touch)) return;
 
   Scratch scratch(d);
   if (!scratch.Fits(StepBytes(m, d))) {
@@ -47,10 +48,18 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
         "wait; raise <size memory=\"...\"/> in the model");
     return;
   }
+  SilencePressed(m, d, instance, state);
   const Mobility mobility(m, d, scratch);
   Delivery delivery = MakeDelivery(m, scratch);
-  if (pulses) DeliverActive(m, d, mobility, state, delivery, scratch);
-  if (closing) ResolveImpacts(m, d, instance, mobility, state, delivery, scratch);
+  mjtNum* kick = nullptr;
+  if (pulses) {
+    DeliverActive(m, d, mobility, state, delivery, scratch);
+    kick = scratch.Take<mjtNum>(m->nv);
+    mobility.Solve(kick, delivery.impulse);
+  }
+  if (!pulses || AnyMayCloseByPulses(m, d, touch, kick)) {
+    ResolveImpacts(m, d, instance, mobility, kick, state, delivery, scratch);
+  }
   if (pulses && state.header().pending_pulses > 0) {
     EndOverfullByImpacts(m, d, mobility, state, delivery, scratch);
   }

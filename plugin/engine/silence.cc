@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/silence.h"
+
+namespace mujoco_impact::engine {
+
+bool HasPulse(const State& state, const mjContact& contact) {
+  const mjtNum clock = state.header().clock;
+  for (int i = 0; i < state.slots(); ++i) {
+    const Pulse& pulse = state.pulse(i);
+    // one that came at once is delivered, but its bodies are on the path that it leaves
+    const bool lasts = pulse.under_way() || (pulse.serial > 0 && pulse.end() > clock);
+    if (lasts && pulse.geom[0] == contact.geom[0] && pulse.geom[1] == contact.geom[1]) return true;
+  }
+  return false;
+}
+
+// All rows of a pyramid push the bodies apart. Of an elliptic cone only the first does: the others
+// are friction, to which a reference is a demand.
+void Silence(mjData* d, int contact) {
+  constexpr mjtNum kOpening = 1e15;  // beyond any acceleration of a sane state [m/s²]
+  const int begin = d->contact[contact].efc_address, type = d->efc_type[begin];
+  const int end = type == mjCNSTR_CONTACT_ELLIPTIC ? begin + 1 : static_cast<int>(d->nefc);
+  for (int i = begin; i < end && d->efc_type[i] == type && d->efc_id[i] == contact; ++i) {
+    // a_ref = −k d (pos − margin)
+    d->efc_pos[i] = d->efc_margin[i] + 1;
+    mjtNum* KBI = d->efc_KBIP + 4 * i;
+    KBI[0] = kOpening;
+    KBI[1] = 0;
+    KBI[2] = 1;
+  }
+}
+
+void SilencePressed(const mjModel* m, mjData* d, int instance, const State& state) {
+  const Ownership ownership(m, instance);
+  for (int i = 0; i < d->ncon; ++i) {
+    if (IsTakenOver(ownership, d->contact[i]) && HasPulse(state, d->contact[i])) Silence(d, i);
+  }
+}
+
+}  // namespace mujoco_impact::engine
