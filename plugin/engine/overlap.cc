@@ -120,8 +120,8 @@ mjtNum TurnLess(const IslandSystem& system, const IslandProblem& problem) {
 }
 
 void PressOutDents(const IslandSystem& system, IslandProblem& problem, mjtNum t) {
-  constexpr int kSweeps = 30;
-  constexpr mjtNum kOfRoom = 0.1;
+  constexpr int kSweeps = 100;
+  constexpr mjtNum kOfRoom = 1e-3;
   const law::DelassusMatrix& W = system.delassus;
   mjtNum* free = problem.work.numbers;  // overlap if the impulses came at once
   mjtNum* taken = free + problem.size;

@@ -5,12 +5,14 @@
 namespace mujoco_impact::engine {
 
 bool HasPulse(const State& state, const mjContact& contact) {
+  // in durations: a waveform is not over just when its bodies have parted, and one that came at
+  // once has them on the path that it leaves
+  constexpr mjtNum kParting = 2;
   const mjtNum clock = state.header().clock;
   for (int i = 0; i < state.slots(); ++i) {
     const Pulse& pulse = state.pulse(i);
-    // one that came at once is delivered, but its bodies are on the path that it leaves
-    const bool lasts = pulse.under_way() || (pulse.serial > 0 && pulse.end() > clock);
-    if (lasts && pulse.geom[0] == contact.geom[0] && pulse.geom[1] == contact.geom[1]) return true;
+    if (pulse.serial <= 0 || pulse.onset + kParting * pulse.duration <= clock) continue;
+    if (pulse.geom[0] == contact.geom[0] && pulse.geom[1] == contact.geom[1]) return true;
   }
   return false;
 }

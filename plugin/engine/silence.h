@@ -21,7 +21,7 @@ inline bool IsTakenOver(const Ownership& ownership, const mjContact& contact) {
   return IsDeep(contact) && ownership.Owns(contact);
 }
 
-// Whether a pulse between the geoms of the contact is not over at the start of the step.
+// Whether a pulse between the geoms of the contact presses, or did a moment ago.
 bool HasPulse(const State& state, const mjContact& contact);
 
 // Makes the solver see the contact as open, however fast it closes.
