@@ -106,10 +106,14 @@ bool ContactPath::ClosingTime(mjtNum from, mjtNum end, mjtNum late, mjtNum touch
                               mjtNum* tau) const {
   constexpr int kNewtonSteps = 30;
   const mjtNum time = end - from;
-  if (!Closes(from, time, touch)) return false;
-  // two balls that are apart at the end may have flown through each other
-  if (Gap(end) >= -touch && Gap(NearestTime(from, end)) >= -touch) return false;
   mjtNum t = from;
+  if (!Closes(from, time, touch)) {
+    // pulses may bend a path on which bodies part into one that closes
+    if (GapRate(from) < 0 || GapRate(end) >= 0 || Gap(from) < -touch) return false;
+    t = end;
+  }
+  // two balls that are apart at the end may have flown through each other
+  if (Gap(end) >= -touch && (t == end || Gap(NearestTime(from, end)) >= -touch)) return false;
   for (int i = 0; i < kNewtonSteps; ++i) {
     const mjtNum rate = GapRate(t);
     if (rate >= 0) break;

@@ -18,16 +18,17 @@ bool HasPulse(const State& state, const mjContact& contact) {
 }
 
 // All rows of a pyramid push the bodies apart. Of an elliptic cone only the first does: the others
-// are friction, to which a reference is a demand.
+// are friction, to which a reference is a demand. The distance does it, for the integrator
+// `discrete` computes stiffness and damping anew.
 void Silence(mjData* d, int contact) {
-  constexpr mjtNum kOpening = 1e15;  // beyond any acceleration of a sane state [m/s²]
+  constexpr mjtNum kApart = 1e15;  // with it a_ref is beyond any acceleration of a sane state [m]
   const int begin = d->contact[contact].efc_address, type = d->efc_type[begin];
   const int end = type == mjCNSTR_CONTACT_ELLIPTIC ? begin + 1 : static_cast<int>(d->nefc);
   for (int i = begin; i < end && d->efc_type[i] == type && d->efc_id[i] == contact; ++i) {
-    // a_ref = −k d (pos − margin)
-    d->efc_pos[i] = d->efc_margin[i] + 1;
+    // a_ref = −b v − k d (pos − margin)
+    d->efc_pos[i] = d->efc_margin[i] + kApart;
     mjtNum* KBI = d->efc_KBIP + 4 * i;
-    KBI[0] = kOpening;
+    KBI[0] = 1;
     KBI[1] = 0;
     KBI[2] = 1;
   }
