@@ -27,9 +27,11 @@ void CorrectForEuler(const mjModel* m, mjData* d, State& state) {
 
 // With both flags MuJoCo calls no passive plugin, though it does call advance. Compiled in they are
 // refused; this is for flags that are set afterwards.
-void WarnIfSilenced(const mjModel* m, const mjData* d, mjtNum touch) {
+void WarnIfSilenced(const mjModel* m, const mjData* d, State& state) {
   constexpr int kSilenced = mjDSBL_SPRING | mjDSBL_DAMPER;
-  if ((m->opt.disableflags & kSilenced) != kSilenced || !AnyMayClose(m, d, touch)) return;
+  if ((m->opt.disableflags & kSilenced) != kSilenced ||
+      !AnyMayClose(m, d, state.mocap(), state.header().touch))
+    return;
   mju_warning(
       "mujoco_impact.waveform: an impact is missed, for the flags spring and damper are both "
       "disabled and MuJoCo calls no passive plugin; enable one of them");
@@ -42,7 +44,7 @@ void CommitStep(const mjModel* m, mjData* d, int instance) {
   Header& header = state.header();
   const bool half_step_missing = m->opt.integrator == mjINT_RK4 && !WasRungeKutta(state);
   header.stage_open = 0;
-  WarnIfSilenced(m, d, header.touch);
+  WarnIfSilenced(m, d, state);
   if (header.pending != 0) {
     if (half_step_missing) CorrectForEuler(m, d, state);
     mj_integratePos(m, d->qpos, state.correction(), 1);
@@ -51,6 +53,7 @@ void CommitStep(const mjModel* m, mjData* d, int instance) {
     CommitPulses(m, state, instance);
     header.pending = 0;
   }
+  CommitMocap(m, d, state);
   header.clock += m->opt.timestep;
 }
 

@@ -17,12 +17,17 @@ mjtNum Separation(const ContactAnchor& anchor, const Vector3& first, const Vecto
 
 }  // namespace
 
-mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& contact) {
+mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& contact,
+                    const MocapRecord* mocap) {
   const Vector3 position = Load(contact.pos);
-  const Vector3 first = PointVelocity(m, d, {m->geom_bodyid[contact.geom[0]], position});
-  const Vector3 second = PointVelocity(m, d, {m->geom_bodyid[contact.geom[1]], position});
+  Vector3 velocity[2];
+  for (int i = 0; i < 2; ++i) {
+    const int body = m->geom_bodyid[contact.geom[i]];
+    velocity[i] = PointVelocity(m, d, {body, position});
+    if (mocap) velocity[i] += MocapVelocity(m, d, mocap, body, position);
+  }
   // c = −n·(v₂ − v₁)
-  return Dot(Load(contact.frame), first - second);
+  return Dot(Load(contact.frame), velocity[0] - velocity[1]);
 }
 
 ContactAnchor AnchorContact(const mjModel* m, const mjData* d, const mjContact& contact) {

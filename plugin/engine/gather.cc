@@ -42,8 +42,8 @@ mjtNum FreeSince(const mjModel* m, const mjContact& contact, const mjtNum* busy)
 
 // The greatest closing speed of the step, at its start or with what pulses add to it; not negative.
 mjtNum FastestClosing(const mjModel* m, const mjData* d, const mjContact& contact,
-                      const mjtNum* kick) {
-  const mjtNum speed = ClosingSpeed(m, d, contact);
+                      const MocapRecord* mocap, const mjtNum* kick) {
+  const mjtNum speed = ClosingSpeed(m, d, contact, mocap);
   if (!kick) return std::max<mjtNum>(0, speed);
   Vector3 added[2];
   for (int i = 0; i < 2; ++i) {
@@ -54,31 +54,33 @@ mjtNum FastestClosing(const mjModel* m, const mjData* d, const mjContact& contac
 }
 
 // Gap that the contact has at least by the end of the step, if nothing strikes [m].
-mjtNum LowestGap(const mjModel* m, const mjData* d, const mjContact& contact, const mjtNum* kick) {
-  return contact.dist - FastestClosing(m, d, contact, kick) * m->opt.timestep;
+mjtNum LowestGap(const mjModel* m, const mjData* d, const mjContact& contact,
+                 const MocapRecord* mocap, const mjtNum* kick) {
+  return contact.dist - FastestClosing(m, d, contact, mocap, kick) * m->opt.timestep;
 }
 
 }  // namespace
 
-bool AnyMayClose(const mjModel* m, const mjData* d, mjtNum touch) {
+bool AnyMayClose(const mjModel* m, const mjData* d, const MocapRecord* mocap, mjtNum touch) {
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
-    if (IsReleased(contact) && MayClose(m, d, contact, touch)) return true;
+    if (IsReleased(contact) && MayClose(m, d, contact, mocap, touch)) return true;
   }
   return false;
 }
 
-bool AnyMayCloseByPulses(const mjModel* m, const mjData* d, mjtNum touch, const mjtNum* kick) {
+bool AnyMayCloseByPulses(const mjModel* m, const mjData* d, const MocapRecord* mocap, mjtNum touch,
+                         const mjtNum* kick) {
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
     if (!IsReleased(contact) && !IsDeep(contact)) continue;
-    if (LowestGap(m, d, contact, kick) < std::min(-touch, contact.dist)) return true;
+    if (LowestGap(m, d, contact, mocap, kick) < std::min(-touch, contact.dist)) return true;
   }
   return false;
 }
 
-Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership,
-                        const State& state, const mjtNum* kick, Scratch& scratch) {
+Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership, State& state,
+                        const mjtNum* kick, Scratch& scratch) {
   int* owned = scratch.Take<int>(d->ncon);
   int count = 0;
   for (int i = 0; i < d->ncon; ++i) {
@@ -104,7 +106,7 @@ Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& owne
   std::fill_n(gathered.relevant, count, true);
   std::fill_n(gathered.idle, count, false);
   for (int k = 0; k < count; ++k) {
-    gathered.lowest[k] = LowestGap(m, d, d->contact[owned[k]], kick);
+    gathered.lowest[k] = LowestGap(m, d, d->contact[owned[k]], state.mocap(), kick);
   }
   return gathered;
 }

@@ -18,11 +18,12 @@
 namespace mujoco_impact::engine {
 
 // Whether any released contact may close within the step: all that most steps ever ask.
-bool AnyMayClose(const mjModel* m, const mjData* d, mjtNum touch);
+bool AnyMayClose(const mjModel* m, const mjData* d, const MocapRecord* mocap, mjtNum touch);
 
 // The same where pulses are under way, which add `kick` to the velocity in this step (nv): contacts
 // deeper than their depth may close, too.
-bool AnyMayCloseByPulses(const mjModel* m, const mjData* d, mjtNum touch, const mjtNum* kick);
+bool AnyMayCloseByPulses(const mjModel* m, const mjData* d, const MocapRecord* mocap, mjtNum touch,
+                         const mjtNum* kick);
 
 // The owned contacts between bodies of which at least one moves, those deeper than their depth
 // included while a pulse presses there. `kick` is null if no pulse is under way.
@@ -39,8 +40,8 @@ struct Gathered {
   mjtNum* tau;     // when, from the time of the outlook, if due [s]
 };
 
-Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership,
-                        const State& state, const mjtNum* kick, Scratch& scratch);
+Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership, State& state,
+                        const mjtNum* kick, Scratch& scratch);
 
 // The anchor of contact k, made while the bodies are still where MuJoCo found the contacts.
 const ContactAnchor& Anchor(const mjModel* m, const mjData* d, Gathered& gathered, int k);

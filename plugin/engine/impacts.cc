@@ -264,7 +264,7 @@ void Resolver::Run() {
 
 void Resolver::RunRounds() {
   const mjtNum h = m_->opt.timestep;
-  Outlook outlook = LookAhead(m_, d_, mobility_, delivery_, bent_, scratch_);
+  Outlook outlook = LookAhead(m_, d_, mobility_, delivery_, state_.mocap(), bent_, scratch_);
   BodiesInStep bodies(m_, d_, mobility_, outlook, scratch_);
   // pulses of the last step that soon end are looked back on; longer ones bend the path
   const mjtNum pulses_end = ActiveEnd(state_);

@@ -32,6 +32,7 @@ struct ContactRow {
   Vector3 normal;    // n(τ), from geom[0] to geom[1]
   mjtNum gap;        // gap(τ) [m]
   mjtNum turn_rate;  // of the normal [rad/s]
+  Vector3 driven;    // velocity that mocap bodies give to side 0 over side 1 [m/s]
   RowSegment segment[2];
 };
 

@@ -16,9 +16,7 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-int StateSize(const mjModel* m, int instance) {
-  return State::Size(OwnedCapacity(m, instance), static_cast<int>(m->nv));
-}
+int StateSize(const mjModel* m, int instance) { return State::Size(m, OwnedCapacity(m, instance)); }
 
 int SensorSize(const mjModel* m, int instance, int) {
   return kNumbersPerGeom * OwnedCapacity(m, instance);

@@ -63,6 +63,7 @@ PointDerivatives PointMotion(const mjModel* m, const mjData* d, const BodyPoint&
     const Vector3 past = Cross(Load(d->cdof + 6 * i), point_velocity);
     result.acceleration += V * (AxisTimes(axis_dot, offset) + past);
   }
+  result.velocity += MocapVelocity(m, d, motion.mocap, point.body, point.position);
   return result;
 }
 

@@ -13,10 +13,11 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-constexpr double kVersion = 2;
+constexpr double kVersion = 3;
 constexpr int kHeaderSize = sizeof(Header) / sizeof(mjtNum);
 constexpr int kRecordSize = sizeof(GeomRecord) / sizeof(mjtNum);
 constexpr int kPulseSize = sizeof(Pulse) / sizeof(mjtNum);
+constexpr int kMocapSize = sizeof(MocapRecord) / sizeof(mjtNum);
 
 // A row of n balls has n − 1 contacts; two a geom leaves room for overlapping pulses and clusters.
 int SlotNumber(int capacity) { return 2 * capacity + 2; }
@@ -31,11 +32,11 @@ bool IsCount(double number, double most) {
 }
 
 // Whether the header is one that Reset wrote for a state of this size, and the steps since.
-bool IsHeader(const Header& header, int size, int nv) {
+bool IsHeader(const mjModel* m, const Header& header, int size) {
   // what is no count must not become an int
   if (header.version != kVersion || !IsCount(header.capacity, size)) return false;
   const int capacity = static_cast<int>(header.capacity);
-  return State::Size(capacity, nv) == size && header.slot_number == SlotNumber(capacity) &&
+  return State::Size(m, capacity) == size && header.slot_number == SlotNumber(capacity) &&
          header.slot_size == kPulseSize &&
          header.slot_offset == kHeaderSize + capacity * kRecordSize &&
          IsCount(header.count, kMaxCount) && IsCount(header.active, header.slot_number) &&
@@ -65,8 +66,9 @@ void WarnOfReset() {
 
 }  // namespace
 
-int State::Size(int capacity, int nv) {
-  return kHeaderSize + capacity * kRecordSize + SlotNumber(capacity) * kPulseSize + 2 * nv;
+int State::Size(const mjModel* m, int capacity) {
+  return kHeaderSize + capacity * kRecordSize + SlotNumber(capacity) * kPulseSize +
+         static_cast<int>(2 * m->nv + m->nmocap * kMocapSize);
 }
 
 void State::Reset(const mjModel* m, mjtNum* plugin_state, int instance) {
@@ -83,14 +85,13 @@ void State::Reset(const mjModel* m, mjtNum* plugin_state, int instance) {
 
 State::State(const mjModel* m, mjData* d, int instance) {
   mjtNum* numbers = d->plugin_state + m->plugin_stateadr[instance];
-  const int nv = static_cast<int>(m->nv);
   header_ = reinterpret_cast<Header*>(numbers);
-  if (!IsHeader(*header_, m->plugin_statenum[instance], nv)) {
+  if (!IsHeader(m, *header_, m->plugin_statenum[instance])) {
     // all zeros is a state that has not begun
     if (header_->version != 0) WarnOfReset();
     Reset(m, numbers, instance);
   }
-  Bind(numbers, nv);
+  Bind(m, numbers);
 }
 
 void State::ResetUnlessSound(const mjModel* m, int instance) {
@@ -100,13 +101,14 @@ void State::ResetUnlessSound(const mjModel* m, int instance) {
   Reset(m, reinterpret_cast<mjtNum*>(header_), instance);
 }
 
-void State::Bind(mjtNum* numbers, int nv) {
+void State::Bind(const mjModel* m, mjtNum* numbers) {
   const int room = capacity();
   records_ = reinterpret_cast<GeomRecord*>(numbers + kHeaderSize);
   mjtNum* pulses = numbers + kHeaderSize + room * kRecordSize;
   pulses_ = reinterpret_cast<Pulse*>(pulses);
   correction_ = pulses + SlotNumber(room) * kPulseSize;
-  held_force_ = correction_ + nv;
+  held_force_ = correction_ + m->nv;
+  mocap_ = m->nmocap > 0 ? reinterpret_cast<MocapRecord*>(held_force_ + m->nv) : nullptr;
 }
 
 }  // namespace mujoco_impact::engine

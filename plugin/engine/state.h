@@ -2,7 +2,7 @@
 // The layout of an instance's plugin_state: everything that evolves, and nothing else.
 //
 //   header | per owned geom: impulse, peak, alpha, count | pulse slots | position correction (nv)
-//          | held force (nv)
+//          | held force (nv) | per mocap body: pose, velocity
 //
 // It describes itself (the header holds the sizes), so that Python finds the pulses in it.
 // `compute` writes only what it has pending: slots with a negative serial, `delivered_next` of the
@@ -14,6 +14,8 @@
 #define MUJOCO_IMPACT_ENGINE_STATE_H_
 
 #include <mujoco/mujoco.h>
+
+#include "engine/mocap.h"
 
 namespace mujoco_impact::engine {
 
@@ -85,8 +87,8 @@ struct Header {
 
 class State {
  public:
-  // Numbers that an instance owning up to `capacity` geoms needs, with nv degrees of freedom.
-  static int Size(int capacity, int nv);
+  // Numbers that an instance owning up to `capacity` geoms needs.
+  static int Size(const mjModel* m, int capacity);
 
   // Sets every number of the state of `instance`.
   static void Reset(const mjModel* m, mjtNum* plugin_state, int instance);
@@ -107,15 +109,17 @@ class State {
   const Pulse& pulse(int slot) const { return pulses_[slot]; }
   mjtNum* correction() { return correction_; }
   mjtNum* held_force() { return held_force_; }
+  MocapRecord* mocap() { return mocap_; }  // null if the model has no mocap body
 
  private:
-  void Bind(mjtNum* numbers, int nv);
+  void Bind(const mjModel* m, mjtNum* numbers);
 
   Header* header_;
   GeomRecord* records_;
   Pulse* pulses_;
   mjtNum* correction_;  // Δq that advance adds to the position (nv)
   mjtNum* held_force_;  // generalized force of the first Runge-Kutta stage (nv)
+  MocapRecord* mocap_;
 };
 
 // Visits the pulses that are not yet delivered.

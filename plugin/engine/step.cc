@@ -22,7 +22,7 @@ namespace {
 // this many vectors of the length of each, MuJoCo's own in the functions we call included.
 size_t StepBytes(const mjModel* m, const mjData* d) {
   constexpr size_t kVectors = 48;
-  const size_t numbers = m->nq + m->nv + m->nbody + m->ntree + m->nu;
+  const size_t numbers = m->nq + m->nv + m->nbody + m->ntree + m->nu + m->nmocap;
   return kVectors * numbers * sizeof(mjtNum) + d->ncon * (sizeof(ContactAnchor) + kVectors * 4);
 }
 
@@ -39,7 +39,8 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   DiscardPending(state);
   const bool pulses = state.header().active > 0;
   const mjtNum touch = state.header().touch;
-  if (!pulses && !AnyMayClose(m, d, touch)) return;
+  if (m->nmocap > 0) FindMocapVelocities(m, d, instance, state);
+  if (!pulses && !AnyMayClose(m, d, state.mocap(), touch)) return;
 
   Scratch scratch(d);
   if (!scratch.Fits(StepBytes(m, d))) {
@@ -57,7 +58,7 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
     kick = scratch.Take<mjtNum>(m->nv);
     mobility.Solve(kick, delivery.impulse);
   }
-  if (!pulses || AnyMayCloseByPulses(m, d, touch, kick)) {
+  if (!pulses || AnyMayCloseByPulses(m, d, state.mocap(), touch, kick)) {
     ResolveImpacts(m, d, instance, mobility, kick, state, delivery, scratch);
   }
   if (pulses && state.header().pending_pulses > 0) {

@@ -21,7 +21,7 @@ from mujoco_impact._plugin import PLUGIN_NAME
 from mujoco_impact.errors import PluginError
 from mujoco_impact.trajectory import Array, Impact
 
-LAYOUT_VERSION = 2.0
+LAYOUT_VERSION = 3.0
 
 _COUNT, _TABLE, _SLOT_SIZE, _SLOTS, _CLOCK = 1, 2, 3, 4, 5
 _SERIAL, _GEOM1, _GEOM2, _ONSET, _IMPULSE, _ALPHA, _DURATION, _RESTITUTION = range(8)
