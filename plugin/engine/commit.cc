@@ -50,7 +50,8 @@ void CommitStep(const mjModel* m, mjData* d, int instance) {
     mj_integratePos(m, d->qpos, state.correction(), 1);
     Scratch scratch(d);
     WakeStruck(m, d, state.held_force(), scratch);
-    CommitPulses(m, state, instance);
+    CommitPulses(state);
+    CommitRecords(state);
     header.pending = 0;
   }
   CommitMocap(m, d, state);

@@ -92,7 +92,7 @@ void Resolver::AddImpact(const ContactRow& row, const Impact& impact) {
   const Share whole{impact.impulse, impact.moment, 1};
   const Share share =
       impact.at_once ? whole : ShareOfStep(pulse, state_.header().clock, m_->opt.timestep);
-  AddPending(state_, pulse, share.delivered_next);
+  AddPending(m_, ownership_, state_, pulse, share.delivered_next);
   AddRowTransposed(m_, row, share.impulse, impacts_.impulse);
   AddRowTransposed(m_, row, share.moment, impacts_.moment);
   AddRowTransposed(m_, row, SecondMoment(share), impacts_.second);

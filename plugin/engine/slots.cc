@@ -2,9 +2,11 @@
 
 #include "engine/slots.h"
 
+#include <cmath>
 #include <cstdint>
 
-#include "engine/ownership.h"
+#include "engine/record.h"
+#include "law/hertz_contact.h"
 #include "law/waveform.h"
 
 namespace mujoco_impact::engine {
@@ -15,16 +17,11 @@ bool IsFree(const Pulse& pulse) {
   return pulse.serial == 0 || (pulse.serial > 0 && pulse.delivered >= 1);
 }
 
-void RecordImpact(const Ownership& ownership, const Pulse& pulse, State& state) {
-  for (const double geom : pulse.geom) {
-    const int index = ownership.Index(static_cast<int>(geom));
-    if (index < 0) continue;
-    GeomRecord& record = state.record(index);
-    record.impulse = pulse.impulse;
-    record.peak = law::WaveformHeight(pulse.impulse, pulse.duration);
-    record.alpha = pulse.alpha;
-    record.count += 1;
-  }
+// A contact that times itself is a Hertz contact, whose force is higher than that of its waveform.
+mjtNum PeakForce(const Config& config, const Impact& impact) {
+  const mjtNum e = config.waveform_restitution;
+  if (!InstantRule(config)) return law::WaveformHeight(impact.impulse, impact.duration);
+  return law::HertzPeak(impact.impulse, impact.duration * law::WaveformMoment(1, e), e);
 }
 
 }  // namespace
@@ -51,6 +48,7 @@ Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, co
   pulse.alpha = impact.alpha;
   pulse.duration = impact.duration;
   pulse.restitution = config.waveform_restitution;
+  pulse.peak = PeakForce(config, impact);
   pulse.loss = impact.loss;
   pulse.scale = 1;
   Store(row.normal, pulse.line.normal);
@@ -74,7 +72,8 @@ bool HasRoom(const State& state, int number) {
   return number <= 0;
 }
 
-void AddPending(State& state, const Pulse& pulse, mjtNum delivered_next) {
+void AddPending(const mjModel* m, const Ownership& ownership, State& state, const Pulse& pulse,
+                mjtNum delivered_next) {
   Header& header = state.header();
   header.pending_pulses += 1;
   const double serial = header.count + header.pending_pulses;
@@ -88,20 +87,18 @@ void AddPending(State& state, const Pulse& pulse, mjtNum delivered_next) {
     slot.serial = -serial;
     slot.delivered = 0;
     slot.delivered_next = delivered_next;
+    RecordOnset(m, ownership, pulse, false, state);
     return;
   }
+  RecordOnset(m, ownership, pulse, true, state);
 }
 
-void CommitPulses(const mjModel* m, State& state, int instance) {
+void CommitPulses(State& state) {
   Header& header = state.header();
-  const Ownership ownership(m, instance);
   header.active = 0;
   for (int i = 0; i < state.slots(); ++i) {
     Pulse& pulse = state.pulse(i);
-    if (pulse.serial < 0) {
-      pulse.serial = -pulse.serial;
-      RecordImpact(ownership, pulse, state);
-    }
+    pulse.serial = std::abs(pulse.serial);
     pulse.delivered = pulse.delivered_next;
     pulse.scale = pulse.scale_next;
     pulse.line = pulse.line_next;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The layout of an instance's plugin_state: everything that evolves, and nothing else.
 //
-//   header | per owned geom: impulse, peak, alpha, count | pulse slots | position correction (nv)
+//   header | per owned geom: its record | pulse slots | position correction (nv)
 //          | held force (nv) | per mocap body: pose, velocity
 //
 // It describes itself (the header holds the sizes), so that Python finds the pulses in it.
@@ -16,6 +16,7 @@
 #include <mujoco/mujoco.h>
 
 #include "engine/mocap.h"
+#include "engine/record.h"
 
 namespace mujoco_impact::engine {
 
@@ -37,6 +38,7 @@ struct Pulse {
   double alpha;            // P_k over the impulse of the waveform [-]
   double duration;         // W [s]
   double restitution;      // E of the waveform [-]
+  double peak;             // largest force: that of the Hertz contact, or H of the waveform [N]
   double delivered;        // part of the impulse delivered by the start of the step [-]
   double delivered_next;   // and by its end; committed by advance
   double scale;            // of what is not delivered, over that part of P_k (settled_energy.h) [-]
@@ -55,15 +57,6 @@ struct Pulse {
   // What is yet to come after this step [N s].
   double remaining_next() const { return scale_next * impulse * (1 - delivered_next); }
   bool slides() const { return tangent[0] != 0 || tangent[1] != 0 || tangent[2] != 0; }
-};
-
-// What the sensor reports of the last impact of a geom.
-struct GeomRecord {
-  double impulse;  // [N s]
-  double peak;     // H [N]
-  double alpha;    // [-]
-  double count;    // impacts since reset
-  double carried;  // 1: one of MuJoCo's contacts holds it at the start of the step (runge_kutta.h)
 };
 
 struct Header {

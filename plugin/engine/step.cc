@@ -49,6 +49,7 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
         "wait; raise <size memory=\"...\"/> in the model");
     return;
   }
+  BeginRecords(state);
   SilencePressed(m, d, instance, state);
   const Mobility mobility(m, d, scratch);
   Delivery delivery = MakeDelivery(m, scratch);
@@ -65,6 +66,7 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
     EndOverfullByImpacts(m, d, mobility, state, delivery, scratch);
   }
   Apply(m, d, mobility, state, delivery, scratch);
+  RecordForces(m, instance, state);
   NoteCarried(m, d, instance, state);
   ComputeSensors(m, d, instance, true);
 }

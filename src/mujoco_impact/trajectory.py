@@ -17,8 +17,8 @@ from mujoco_impact.errors import TrajectoryError
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
-LAYOUT_VERSION = 1
-"""Version of the .npz layout that `Trajectory.save` writes."""
+LAYOUT_VERSION = 2
+"""Version of the .npz layout that `Trajectory.save` writes; 1 is read, too."""
 
 _DAMAGE = (
     OSError,
@@ -52,6 +52,8 @@ class Impact:
         height: Peak force of the waveform, H = pi P / (2 W) [N].
         duration: Duration of the waveform, W [s].
         restitution: Expansion impulse over compression impulse [-].
+        peak: Largest force of the contact [N]: a Hertz contact has 1.17 H; H if W is
+            not that of the contact.
     """
 
     time: float
@@ -61,9 +63,18 @@ class Impact:
     height: float
     duration: float
     restitution: float
+    peak: float
 
 
-_IMPACT_NUMBERS = ("time", "impulse", "alpha", "height", "duration", "restitution")
+_IMPACT_NUMBERS = (
+    "time",
+    "impulse",
+    "alpha",
+    "height",
+    "duration",
+    "restitution",
+    "peak",
+)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -160,17 +171,19 @@ class Trajectory:
 def _from_arrays(stored: dict[str, npt.NDArray[Any]]) -> Trajectory:
     """Returns the trajectory of the arrays of a file."""
     version = int(stored["layout_version"])
-    if version != LAYOUT_VERSION:
-        msg = f"layout version {version}, this package reads {LAYOUT_VERSION}"
+    if version not in (1, LAYOUT_VERSION):
+        msg = f"layout version {version}, this package reads 1 and {LAYOUT_VERSION}"
         raise ValueError(msg)
+    table = stored["impact_numbers"]
+    if version == 1:
+        # it knew of no other force than that of the waveform
+        table = np.column_stack([table, table[:, _IMPACT_NUMBERS.index("height")]])
     impacts = tuple(
         Impact(
             geoms=(str(geoms[0]), str(geoms[1])),
             **dict(zip(_IMPACT_NUMBERS, map(float, numbers), strict=True)),
         )
-        for geoms, numbers in zip(
-            stored["impact_geoms"], stored["impact_numbers"], strict=True
-        )
+        for geoms, numbers in zip(stored["impact_geoms"], table, strict=True)
     )
     return Trajectory(
         **{name: stored[name] for name in _ARRAYS},
