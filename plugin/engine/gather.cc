@@ -81,13 +81,14 @@ bool AnyMayCloseByPulses(const mjModel* m, const mjData* d, const MocapRecord* m
 
 Gathered GatherContacts(const mjModel* m, const mjData* d, const Ownership& ownership, State& state,
                         const mjtNum* kick, Scratch& scratch) {
+  const bool pressed = AnyPulsePresses(state);
   int* owned = scratch.Take<int>(d->ncon);
   int count = 0;
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
     const bool ours = IsReleased(contact)
                           ? ownership.Owns(contact)
-                          : IsTakenOver(ownership, contact) && HasPulse(state, contact);
+                          : pressed && IsTakenOver(ownership, contact) && HasPulse(state, contact);
     if (!ours) continue;
     const ContactTrees trees = TreesOf(m, contact);
     if (trees.tree[0] >= 0 || trees.tree[1] >= 0) owned[count++] = i;

@@ -4,15 +4,29 @@
 
 namespace mujoco_impact::engine {
 
-bool HasPulse(const State& state, const mjContact& contact) {
+namespace {
+
+bool Presses(const Pulse& pulse, mjtNum clock) {
   // in durations: a waveform is not over just when its bodies have parted, and one that came at
   // once has them on the path that it leaves
   constexpr mjtNum kParting = 2;
-  const mjtNum clock = state.header().clock;
+  return pulse.serial > 0 && pulse.onset + kParting * pulse.duration > clock;
+}
+
+}  // namespace
+
+bool AnyPulsePresses(const State& state) {
+  for (int i = 0; i < state.slots(); ++i) {
+    if (Presses(state.pulse(i), state.header().clock)) return true;
+  }
+  return false;
+}
+
+bool HasPulse(const State& state, const mjContact& contact) {
   for (int i = 0; i < state.slots(); ++i) {
     const Pulse& pulse = state.pulse(i);
-    if (pulse.serial <= 0 || pulse.onset + kParting * pulse.duration <= clock) continue;
-    if (pulse.geom[0] == contact.geom[0] && pulse.geom[1] == contact.geom[1]) return true;
+    if (pulse.geom[0] != contact.geom[0] || pulse.geom[1] != contact.geom[1]) continue;
+    if (Presses(pulse, state.header().clock)) return true;
   }
   return false;
 }
@@ -35,6 +49,7 @@ void Silence(mjData* d, int contact) {
 }
 
 void SilencePressed(const mjModel* m, mjData* d, int instance, const State& state) {
+  if (!AnyPulsePresses(state)) return;
   const Ownership ownership(m, instance);
   for (int i = 0; i < d->ncon; ++i) {
     if (IsTakenOver(ownership, d->contact[i]) && HasPulse(state, d->contact[i])) Silence(d, i);

@@ -21,7 +21,10 @@ inline bool IsTakenOver(const Ownership& ownership, const mjContact& contact) {
   return IsDeep(contact) && ownership.Owns(contact);
 }
 
-// Whether a pulse between the geoms of the contact presses, or did a moment ago.
+// Whether any pulse presses, or did a moment ago.
+bool AnyPulsePresses(const State& state);
+
+// Whether one between the geoms of the contact does.
 bool HasPulse(const State& state, const mjContact& contact);
 
 // Makes the solver see the contact as open, however fast it closes.
