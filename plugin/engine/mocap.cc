@@ -53,8 +53,9 @@ void FindVelocity(const mjModel* m, const mjData* d, int mocap, MocapRecord& rec
   mju_rotVecQuat(turn, turn, record.quaternion);
   const Vector3 shift = Load(d->mocap_pos + 3 * mocap) - Load(record.position);
   const mjtNum distance = Norm(shift);
-  const bool jumped = distance > 0 && distance > SizeOf(m, mocap);
-  record.jumped = jumped || mju_norm3(turn) > kMostTurn;
+  // no number of a damaged state is less than any
+  const bool near = distance == 0 || distance <= SizeOf(m, mocap);
+  record.jumped = !(near && mju_norm3(turn) <= kMostTurn);
   const mjtNum factor = record.jumped != 0 ? 0 : rate;
   Store(factor * shift, record.linear);
   Store(factor * Load(turn), record.angular);
