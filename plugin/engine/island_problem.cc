@@ -19,6 +19,7 @@ IslandProblem MakeProblem(const mjModel* m, const Config& config, const IslandSy
       scratch.Zeros(n),
       scratch.Zeros(n),
       scratch.Zeros(n),
+      scratch.Zeros(n),
       scratch.Take<mjtNum>(n),
       {scratch.Take<mjtNum>(law::ImpactNumbers(n)), scratch.Take<int>(law::ImpactIndices(n))}};
   for (int k = 0; k < n; ++k) {

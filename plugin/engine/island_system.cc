@@ -170,7 +170,7 @@ size_t IslandBytes(const mjModel* m, const mjData* d, const Mobility& mobility,
     }
   }
   // of the Delassus matrix, the laws and the resolution
-  constexpr size_t kPerContact = 832;
+  constexpr size_t kPerContact = 848;
   const size_t ties = static_cast<size_t>(mobility.ties()) * (count + 1) * sizeof(mjtNum);
   return ties + count * (sizeof(ContactRow) + kPerContact) +
          couples * (sizeof(mjtNum) + sizeof(int)) + (2 * dofs + m->nv) * sizeof(mjtNum) +

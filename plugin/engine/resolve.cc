@@ -48,10 +48,11 @@ bool SolveHertz(const mjModel* m, const Config& config, const IslandSystem& syst
                                   config.tolerance,
                                   StepLimit(m, config, system),
                                   time.longest};
-  for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset}) {
+  for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset, problem.peak}) {
     mju_zero(solution, problem.size);
   }
-  law::ImpactSolution solution{problem.impulse, problem.moment, problem.onset, problem.after};
+  law::ImpactSolution solution{problem.impulse, problem.moment, problem.onset, problem.after,
+                               problem.peak};
   const law::ImpactReport report =
       law::SolveImpact(impact, config.passive, &solution, problem.work);
   for (int k = 0; k < problem.size; ++k) {
@@ -96,6 +97,7 @@ bool AreShorter(const IslandProblem& problem, mjtNum time) {
 bool SetCommonPulse(const mjModel* m, const Config& config, const IslandSystem& system,
                     const ImpactTime& time, mjtNum duration, IslandProblem& problem) {
   std::fill_n(problem.onset, problem.size, 0);
+  std::fill_n(problem.peak, problem.size, 0);
   std::fill_n(problem.duration, problem.size, duration);
   const mjtNum less = std::min(OverlapLess(m, config, system, problem), TurnLess(system, problem));
   mju_scl(problem.duration, problem.duration, less, problem.size);
@@ -204,6 +206,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
                   alpha[k],
                   tau + problem.onset[k],
                   problem.duration[k],
+                  problem.peak[k],
                   problem.moment[k] + tau * P,
                   loss * P,
                   at_once,

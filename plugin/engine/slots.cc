@@ -6,7 +6,6 @@
 #include <cstdint>
 
 #include "engine/record.h"
-#include "law/hertz_contact.h"
 #include "law/waveform.h"
 
 namespace mujoco_impact::engine {
@@ -17,11 +16,9 @@ bool IsFree(const Pulse& pulse) {
   return pulse.serial == 0 || (pulse.serial > 0 && pulse.delivered >= 1);
 }
 
-// A contact that times itself is a Hertz contact, whose force is higher than that of its waveform.
-mjtNum PeakForce(const Config& config, const Impact& impact) {
-  const mjtNum e = config.waveform_restitution;
-  if (!InstantRule(config)) return law::WaveformHeight(impact.impulse, impact.duration);
-  return law::HertzPeak(impact.impulse, impact.duration * law::WaveformMoment(1, e), e);
+// A Hertz contact presses harder than the waveform of its impulse and duration.
+mjtNum PeakForce(const Impact& impact) {
+  return impact.peak > 0 ? impact.peak : law::WaveformHeight(impact.impulse, impact.duration);
 }
 
 }  // namespace
@@ -48,7 +45,7 @@ Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, co
   pulse.alpha = impact.alpha;
   pulse.duration = impact.duration;
   pulse.restitution = config.waveform_restitution;
-  pulse.peak = PeakForce(config, impact);
+  pulse.peak = PeakForce(impact);
   pulse.loss = impact.loss;
   pulse.scale = 1;
   Store(row.normal, pulse.line.normal);

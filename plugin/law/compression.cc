@@ -44,7 +44,7 @@ class Integrator {
   bool OvershootsTurn(int i, double h) const;
   double FractionToTurn(double h) const;
   void Accept(double h);
-  void NoteOnsets();
+  void NoteForces();
   void UpdatePhases();
   void SetRates();
   void MoveWindow();
@@ -161,18 +161,19 @@ double Integrator::FractionToTurn(double h) const {
   return fraction;
 }
 
-// Contacts whose first force comes in the step that begins at t.
-void Integrator::NoteOnsets() {
+// Contacts whose first force comes in the step that begins at t, and the largest forces.
+void Integrator::NoteForces() {
   for (int i = 0; i < lanes_.size(); ++i) {
-    if (lanes_.impulse[i] > 0) continue;
-    if (force_[1][i] > 0 || force_[2][i] > 0 || force_[3][i] > 0) {
-      solution_.onset[lanes_.contact(i)] = t_;
-    }
+    const double force = std::max({force_[1][i], force_[2][i], force_[3][i]});
+    if (force <= 0) continue;
+    const int k = lanes_.contact(i);
+    if (lanes_.impulse[i] <= 0) solution_.onset[k] = t_;
+    if (solution_.peak) solution_.peak[k] = std::max(solution_.peak[k], force);
   }
 }
 
 void Integrator::Accept(double h) {
-  NoteOnsets();
+  NoteForces();
   const double *F1 = force_[0], *F2 = force_[1], *F3 = force_[2], *F4 = force_[3];
   const double after = t_ + h, hh = h * h;
   for (int i = 0, end = lanes_.padded(); i < end; i += 2) {
@@ -254,6 +255,7 @@ void Integrator::CollideAlone(int i) {
                                                 problem_.stiffness[k], problem_.restitution);
   const double P = single.impulse, T = single.duration;
   if (lanes_.impulse[i] == 0) solution_.onset[k] = t_;
+  if (solution_.peak) solution_.peak[k] = std::max(solution_.peak[k], single.peak);
   lanes_.impulse[i] += P;
   lanes_.moment[i] += t_ * P + single.moment;
   for (int j = 0; j < lanes_.size(); ++j) lanes_.y[j] += lanes_.c[j] * T;

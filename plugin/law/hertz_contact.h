@@ -31,11 +31,6 @@ double MaximumCompression(double stiffness, double reduced_mass, double speed);
 // Duration [s] of the elastic contact of that pair.
 double ContactTime(double stiffness, double reduced_mass, double speed);
 
-// Largest force [N] of a single contact that delivers the impulse [N s] with its centre at the time
-// `centre` [s] after the onset, bi-stiffness with the restitution e: whatever that is, it is the
-// force at the end of the compression.
-double HertzPeak(double impulse, double centre, double restitution);
-
 }  // namespace mujoco_impact::law
 
 #endif  // MUJOCO_IMPACT_LAW_HERTZ_CONTACT_H_

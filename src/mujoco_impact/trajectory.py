@@ -52,8 +52,8 @@ class Impact:
         height: Peak force of the waveform, H = pi P / (2 W) [N].
         duration: Duration of the waveform, W [s].
         restitution: Expansion impulse over compression impulse [-].
-        peak: Largest force of the contact [N]: a Hertz contact has 1.17 H; H if W is
-            not that of the contact.
+        peak: Largest force of the contact [N]: that of the Hertz contact (1.17 H for a
+            single one), or H if pulses last as long as a setting says.
     """
 
     time: float
