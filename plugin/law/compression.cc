@@ -44,7 +44,8 @@ class Integrator {
   bool OvershootsTurn(int i, double h) const;
   double FractionToTurn(double h) const;
   void Accept(double h);
-  void NoteForces();
+  void NoteOnsets();
+  void NotePeaks();
   void UpdatePhases();
   void SetRates();
   void MoveWindow();
@@ -161,19 +162,27 @@ double Integrator::FractionToTurn(double h) const {
   return fraction;
 }
 
-// Contacts whose first force comes in the step that begins at t, and the largest forces.
-void Integrator::NoteForces() {
+// Contacts whose first force comes in the step that begins at t.
+void Integrator::NoteOnsets() {
   for (int i = 0; i < lanes_.size(); ++i) {
-    const double force = std::max({force_[1][i], force_[2][i], force_[3][i]});
-    if (force <= 0) continue;
-    const int k = lanes_.contact(i);
-    if (lanes_.impulse[i] <= 0) solution_.onset[k] = t_;
-    if (solution_.peak) solution_.peak[k] = std::max(solution_.peak[k], force);
+    if (lanes_.impulse[i] > 0) continue;
+    if (force_[1][i] > 0 || force_[2][i] > 0 || force_[3][i] > 0) {
+      solution_.onset[lanes_.contact(i)] = t_;
+    }
+  }
+}
+
+void Integrator::NotePeaks() {
+  const double *F3 = force_[2], *F4 = force_[3];
+  for (int i = 0, end = lanes_.size(); i < end; ++i) {
+    double& peak = solution_.peak[lanes_.contact(i)];
+    peak = std::max({peak, F3[i], F4[i]});
   }
 }
 
 void Integrator::Accept(double h) {
-  NoteForces();
+  NoteOnsets();
+  if (solution_.peak) NotePeaks();
   const double *F1 = force_[0], *F2 = force_[1], *F3 = force_[2], *F4 = force_[3];
   const double after = t_ + h, hh = h * h;
   for (int i = 0, end = lanes_.padded(); i < end; i += 2) {
