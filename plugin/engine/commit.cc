@@ -28,9 +28,11 @@ void CorrectForEuler(const mjModel* m, mjData* d, State& state) {
 
 // With both flags MuJoCo calls no passive plugin, though it does call advance. Compiled in they are
 // refused; this is for flags that are set afterwards.
-void WarnIfSilenced(const mjModel* m, mjData* d, mjtNum touch) {
+void WarnIfSilenced(const mjModel* m, mjData* d, State& state) {
   constexpr int kSilenced = mjDSBL_SPRING | mjDSBL_DAMPER;
-  if ((m->opt.disableflags & kSilenced) != kSilenced || !AnyMayClose(m, d, touch)) return;
+  if ((m->opt.disableflags & kSilenced) != kSilenced ||
+      !AnyMayClose(m, d, state.mocap(), state.header().touch))
+    return;
   mju_warning(
       "mujoco_impact.waveform: an impact is missed, for the flags spring and damper are both "
       "disabled and MuJoCo calls no passive plugin; enable one of them");
@@ -43,16 +45,18 @@ void CommitStep(const mjModel* m, mjData* d, int instance) {
   Header& header = state.header();
   const bool half_step_missing = m->opt.integrator == mjINT_RK4 && !WasRungeKutta(state);
   header.stage_open = 0;
-  WarnIfSilenced(m, d, header.touch);
+  WarnIfSilenced(m, d, state);
   if (header.pending != 0) {
     CommitFlights(m, d, state);
     if (half_step_missing) CorrectForEuler(m, d, state);
     mj_integratePos(m, d->qpos, state.correction(), 1);
     Scratch scratch(d);
     WakeStruck(m, d, state.held_force(), scratch);
-    CommitPulses(m, state, instance);
+    CommitPulses(state);
+    CommitRecords(state);
     header.pending = 0;
   }
+  CommitMocap(m, d, state);
   header.clock += m->opt.timestep;
 }
 

@@ -17,12 +17,17 @@ mjtNum Separation(const ContactAnchor& anchor, const Vector3& first, const Vecto
 
 }  // namespace
 
-mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& contact) {
+mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& contact,
+                    const MocapRecord* mocap) {
   const Vector3 position = Load(contact.pos);
-  const Vector3 first = PointVelocity(m, d, {m->geom_bodyid[contact.geom[0]], position});
-  const Vector3 second = PointVelocity(m, d, {m->geom_bodyid[contact.geom[1]], position});
+  Vector3 velocity[2];
+  for (int i = 0; i < 2; ++i) {
+    const int body = m->geom_bodyid[contact.geom[i]];
+    velocity[i] = PointVelocity(m, d, {body, position});
+    if (mocap) velocity[i] += MocapVelocity(m, d, mocap, body, position);
+  }
   // c = −n·(v₂ − v₁)
-  return Dot(Load(contact.frame), first - second);
+  return Dot(Load(contact.frame), velocity[0] - velocity[1]);
 }
 
 ContactAnchor AnchorContact(const mjModel* m, const mjData* d, const mjContact& contact) {
@@ -115,10 +120,14 @@ bool ContactPath::ClosingTime(mjtNum from, mjtNum end, mjtNum late, mjtNum touch
                               mjtNum* tau) const {
   constexpr int kNewtonSteps = 30;
   const mjtNum time = end - from;
-  if (!Closes(from, time, touch)) return false;
-  // two balls that are apart at the end may have flown through each other
-  if (Gap(end) >= -touch && Gap(NearestTime(from, end)) >= -touch) return false;
   mjtNum t = from;
+  if (!Closes(from, time, touch)) {
+    // pulses may bend a path on which bodies part into one that closes
+    if (GapRate(from) < 0 || GapRate(end) >= 0 || Gap(from) < -touch) return false;
+    t = end;
+  }
+  // two balls that are apart at the end may have flown through each other
+  if (Gap(end) >= -touch && (t == end || Gap(NearestTime(from, end)) >= -touch)) return false;
   for (int i = 0; i < kNewtonSteps; ++i) {
     const mjtNum rate = GapRate(t);
     if (rate >= 0) break;

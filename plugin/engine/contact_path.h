@@ -22,13 +22,15 @@
 namespace mujoco_impact::engine {
 
 // Closing speed of a contact at the start of the step [m/s], from mjData.cvel: what the scan of
-// every step pays per contact.
-mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& contact);
+// every step pays per contact; `mocap` is null if there is no such body.
+mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& contact,
+                    const MocapRecord* mocap);
 
 // Whether the contact may be deeper than `touch` at the end of the step; one that MuJoCo carries,
 // faster than at rest.
-inline bool MayClose(const mjModel* m, const mjData* d, const mjContact& contact, mjtNum touch) {
-  const mjtNum c = ClosingSpeed(m, d, contact);
+inline bool MayClose(const mjModel* m, const mjData* d, const mjContact& contact,
+                     const MocapRecord* mocap, mjtNum touch) {
+  const mjtNum c = ClosingSpeed(m, d, contact, mocap);
   if (c <= 0 || contact.dist - c * m->opt.timestep >= -touch) return false;
   return !IsCarried(contact) || c > SmallestCarriedSpeed(m, d);
 }

@@ -89,9 +89,8 @@ Share ShareOfStep(const Pulse& pulse, mjtNum clock, mjtNum h) {
 mjtNum ActiveEnd(const State& state) {
   mjtNum end = 0;
   if (state.header().active == 0) return end;
-  ForPulsesUnderWay(state, [&](const Pulse& pulse) {
-    end = std::max(end, pulse.onset + pulse.duration - state.header().clock);
-  });
+  ForPulsesUnderWay(
+      state, [&](const Pulse& pulse) { end = std::max(end, pulse.end() - state.header().clock); });
   return end;
 }
 

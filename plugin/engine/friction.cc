@@ -45,7 +45,7 @@ void FillSlipRow(const mjModel* m, const mjData* d, const ContactRow& row, const
   }
 }
 
-// The velocity with which side 0 slides over side 1 at τ.
+// The velocity with which side 0 slides over side 1 at τ, that of mocap bodies included.
 Vector3 SlipVelocity(const mjModel* m, const mjData* d, const ContactRow& row, const Motion& motion,
                      mjtNum tau, const mjtNum* velocity, SlipRow& slip) {
   const Vector3& n = row.normal;
@@ -55,7 +55,7 @@ Vector3 SlipVelocity(const mjModel* m, const mjData* d, const ContactRow& row, c
   Vector3 result{};
   for (const Vector3& axis : {first, Cross(n, first)}) {
     FillSlipRow(m, d, row, motion, tau, axis, slip);
-    result += -SegmentsTimes(m, slip.segment, velocity) * axis;
+    result += (Dot(row.driven, axis) - SegmentsTimes(m, slip.segment, velocity)) * axis;
   }
   return result;
 }
@@ -80,7 +80,8 @@ Vector3 SlipOf(const mjModel* m, const mjData* d, const Config& config, const Is
   const mjtNum speed = Norm(u);
   if (speed < mjMINVAL) return {};
   const mjtNum mass = IncomingMass(m, system, k, velocity);
-  const mjtNum closing = std::max<mjtNum>(0, -RowTimes(m, row, velocity));
+  const mjtNum closing =
+      std::max<mjtNum>(0, Dot(row.normal, row.driven) - RowTimes(m, row, velocity));
   const mjtNum friction =
       law::FrictionImpulse(config.paper_friction, mass * closing, mass * speed, impulse);
   if (friction <= 0) return {};
@@ -100,6 +101,7 @@ void AddFriction(const mjModel* m, const mjData* d, const Config& config, const 
   mjtNum* after = scratch.Take<mjtNum>(nv);  // velocity after the normal impulses
   mjtNum* force = scratch.Zeros(nv);         // f
   mjtNum* kick = scratch.Zeros(nv);          // M⁻¹ f
+  mjtNum driven = 0;                         // Σ of the work of mocap bodies on f
   mju_copy(after, velocity, nv);
   for (int k = 0; k < system.size; ++k) {
     const mjtNum P = impacts[k].impulse;
@@ -107,11 +109,14 @@ void AddFriction(const mjModel* m, const mjData* d, const Config& config, const 
     slip[k] = MakeSlipRow(m, system.row[k], scratch);
     AddSegments(m, system.row[k].segment, P, nullptr, after);
     impacts[k].tangent = SlipOf(m, d, config, system, k, motion, tau, velocity, P, slip[k]);
-    if (Norm(impacts[k].tangent) > 0) AddSegments(m, slip[k].segment, P, force, kick);
+    if (Norm(impacts[k].tangent) == 0) continue;
+    AddSegments(m, slip[k].segment, P, force, kick);
+    driven += P * Dot(impacts[k].tangent, system.row[k].driven);
   }
   mjtNum scale = 1;
   if (config.passive) {
-    const mjtNum linear = -mju_dot(force, after, nv), quadratic = mju_dot(force, kick, nv);
+    const mjtNum linear = driven - mju_dot(force, after, nv);
+    const mjtNum quadratic = mju_dot(force, kick, nv);
     if (quadratic <= 0) return;
     scale = std::clamp<mjtNum>(2 * linear / quadratic, 0, 1);
   }

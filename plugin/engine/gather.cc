@@ -7,6 +7,7 @@
 #include "engine/islands.h"
 #include "engine/narrow_phase.h"
 #include "engine/rigid_flight.h"
+#include "engine/silence.h"
 
 namespace mujoco_impact::engine {
 
@@ -59,6 +60,25 @@ int RoomForPoints(const mjModel* m, const mjContact* const* contacts, int count)
   return room;
 }
 
+// The greatest closing speed of the step, at its start or with what pulses add to it; not negative.
+mjtNum FastestClosing(const mjModel* m, const mjData* d, const mjContact& contact,
+                      const MocapRecord* mocap, const mjtNum* kick) {
+  const mjtNum speed = ClosingSpeed(m, d, contact, mocap);
+  if (!kick) return std::max<mjtNum>(0, speed);
+  Vector3 added[2];
+  for (int i = 0; i < 2; ++i) {
+    const BodyPoint point{m->geom_bodyid[contact.geom[i]], Load(contact.pos)};
+    added[i] = PointVelocityBy(m, d, point, kick);
+  }
+  return std::max({mjtNum{0}, speed, speed + Dot(Load(contact.frame), added[0] - added[1])});
+}
+
+// Gap that the contact has at least by the end of the step, if nothing strikes [m].
+mjtNum LowestGap(const mjModel* m, const mjData* d, const mjContact& contact,
+                 const MocapRecord* mocap, const mjtNum* kick) {
+  return contact.dist - FastestClosing(m, d, contact, mocap, kick) * m->opt.timestep;
+}
+
 // Puts a point in place of contact k.
 void Replace(const mjModel* m, const mjData* d, const mjContact& point, int k, Gathered& gathered) {
   gathered.found[k] = point;
@@ -66,18 +86,18 @@ void Replace(const mjModel* m, const mjData* d, const mjContact& point, int k, G
   gathered.anchored[k] = false;
   gathered.relevant[k] = true;
   gathered.idle[k] = gathered.due[k] = gathered.near[k] = false;
-  const mjtNum speed = std::max<mjtNum>(0, ClosingSpeed(m, d, point));
-  gathered.lowest[k] = point.dist - speed * m->opt.timestep;
+  gathered.lowest[k] = LowestGap(m, d, point, gathered.mocap, nullptr);
 }
 
 // As MayClose, for a contact whose distance is in doubt.
-bool MayCloseAfterAll(const mjModel* m, mjData* d, const mjContact& contact, mjtNum touch) {
+bool MayCloseAfterAll(const mjModel* m, mjData* d, const mjContact& contact,
+                      const MocapRecord* mocap, mjtNum touch) {
   Scratch scratch(d);
   if (!scratch.Fits(kMostPoints * sizeof(mjContact))) return true;
   mjContact* points = scratch.Take<mjContact>(kMostPoints);
   const int number = FindPoints(m, d, contact, contact.dist, points);
   return std::any_of(points, points + number,
-                     [&](const mjContact& point) { return MayClose(m, d, point, touch); });
+                     [&](const mjContact& point) { return MayClose(m, d, point, mocap, touch); });
 }
 
 // Whether the inertia of the tree stays as it is while its bodies move: one joint, or a free body
@@ -127,24 +147,34 @@ void FindPointsAgain(const mjModel* m, mjData* d, const int* position, int count
   }
 }
 
-bool AnyMayClose(const mjModel* m, mjData* d, mjtNum touch) {
+bool AnyMayClose(const mjModel* m, mjData* d, const MocapRecord* mocap, mjtNum touch) {
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
     if (!IsOffered(contact)) continue;
-    if (MayClose(m, d, contact, touch)) return true;
-    if (IsDoubtful(m, d, i) && MayCloseAfterAll(m, d, contact, touch)) return true;
+    if (MayClose(m, d, contact, mocap, touch)) return true;
+    if (IsDoubtful(m, d, i) && MayCloseAfterAll(m, d, contact, mocap, touch)) return true;
   }
   return false;
 }
 
-Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership, bool pulses,
-                        Scratch& scratch) {
+bool AnyMayCloseByPulses(const mjModel* m, const mjData* d, const MocapRecord* mocap, mjtNum touch,
+                         const mjtNum* kick) {
+  for (int i = 0; i < d->ncon; ++i) {
+    const mjContact& contact = d->contact[i];
+    if (!IsOffered(contact)) continue;
+    if (LowestGap(m, d, contact, mocap, kick) < std::min(-touch, contact.dist)) return true;
+  }
+  return false;
+}
+
+Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership, State& state,
+                        const mjtNum* kick, Scratch& scratch) {
   const mjContact** owned = scratch.Take<const mjContact*>(d->ncon);
   int count = 0;
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
     if (!IsOffered(contact) || !ownership.Owns(contact)) continue;
-    if (pulses && IsCarried(contact)) continue;
+    if (kick && IsCarried(contact) && !HasPulse(state, contact)) continue;
     const ContactTrees trees = TreesOf(m, contact);
     if (trees.tree[0] >= 0 || trees.tree[1] >= 0) owned[count++] = &contact;
   }
@@ -156,6 +186,7 @@ Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership,
                     contacts,
                     room > count ? scratch.Take<mjContact>(room) : nullptr,
                     0,
+                    state.mocap(),
                     scratch.Take<ContactAnchor>(room),
                     scratch.Take<bool>(room),
                     scratch.Take<mjtNum>(room),
@@ -170,8 +201,7 @@ Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership,
   for (int k = 0; k < count; ++k) {
     const mjContact& contact = *owned[k];
     gathered.farthest = std::max(gathered.farthest, contact.dist);
-    const mjtNum speed = std::max<mjtNum>(0, ClosingSpeed(m, d, contact));
-    gathered.lowest[k] = contact.dist - speed * m->opt.timestep;
+    gathered.lowest[k] = LowestGap(m, d, contact, state.mocap(), kick);
   }
   for (int k = 0; k < count; ++k) {
     const int i = static_cast<int>(owned[k] - d->contact);
@@ -210,7 +240,7 @@ bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum t
     const mjContact& contact = *gathered.contact[k];
     gathered.due[k] = false;
     if (!gathered.relevant[k] || gathered.idle[k]) continue;
-    // the bodies are still where MuJoCo found the contact: its velocities tell
+    // the bodies are still where MuJoCo found the contact: its velocities tell, and the pulses'
     if (outlook.start == 0 && gathered.lowest[k] >= -touch) continue;
     const mjtNum since = FreeSince(m, contact, busy) - outlook.start;
     mjtNum tau;

@@ -13,18 +13,26 @@
 #include "engine/outlook.h"
 #include "engine/ownership.h"
 #include "engine/scratch.h"
+#include "engine/state.h"
 
 namespace mujoco_impact::engine {
 
 // Whether any contact that is offered may close within the step: all that most steps ever ask.
-bool AnyMayClose(const mjModel* m, mjData* d, mjtNum touch);
+bool AnyMayClose(const mjModel* m, mjData* d, const MocapRecord* mocap, mjtNum touch);
 
-// The owned contacts between bodies of which at least one moves.
+// The same where pulses are under way, which add `kick` to the velocity in this step (nv): contacts
+// deeper than their depth may close, too.
+bool AnyMayCloseByPulses(const mjModel* m, const mjData* d, const MocapRecord* mocap, mjtNum touch,
+                         const mjtNum* kick);
+
+// The owned contacts between bodies of which at least one moves, those deeper than their depth
+// included while a pulse presses there. `kick` is null if no pulse is under way.
 struct Gathered {
   int count, room;            // room: for points that are found later
   const mjContact** contact;  // where MuJoCo found them, or as they were found since
   mjContact* found;           // those, null if all follow from centres
   mjtNum farthest;            // the largest distance of one of them at the start of the step [m]
+  const MocapRecord* mocap;   // null if there is no such body
   ContactAnchor* anchor;      // the same, wherever the bodies are; valid where `anchored`
   bool* anchored;
   mjtNum* lowest;  // gap that it has at least by the end of the step, if nothing strikes [m]
@@ -35,9 +43,8 @@ struct Gathered {
   mjtNum* tau;     // when, from the time of the outlook, if due [s]
 };
 
-// While pulses last, a contact deeper than its margin is MuJoCo's alone.
-Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership, bool pulses,
-                        Scratch& scratch);
+Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership, State& state,
+                        const mjtNum* kick, Scratch& scratch);
 
 // Whether the path of the contact is that of two points of bodies whose inertia stays as it is;
 // otherwise its impact is found where the bodies are when it comes.

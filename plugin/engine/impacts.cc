@@ -37,8 +37,8 @@ constexpr mjtNum kShortPulses = 0.5;
 
 class Resolver {
  public:
-  Resolver(const mjModel* m, mjData* d, int instance, const Mobility& mobility, State& state,
-           Delivery& delivery, Scratch& scratch)
+  Resolver(const mjModel* m, mjData* d, int instance, const Mobility& mobility, const mjtNum* kick,
+           State& state, Delivery& delivery, Scratch& scratch)
       : m_(m),
         d_(d),
         ownership_(m, instance),
@@ -50,9 +50,9 @@ class Resolver {
         bent_(ActiveEnd(state) > kShortPulses * m->opt.timestep),
         impacts_(bent_ ? MakeDelivery(m, scratch) : delivery),
         kicks_(MakeKicks(m, scratch)),
-        contacts_(GatherContacts(m, d, ownership_, state.header().active > 0, scratch)),
+        contacts_(GatherContacts(m, d, ownership_, state, kick, scratch)),
         struck_(m, d, mobility, scratch),
-        start_(LookAhead(m, d, mobility, delivery, bent_, scratch)),
+        start_(LookAhead(m, d, mobility, delivery, state.mocap(), bent_, scratch)),
         flights_(m, d, start_.motion, state.header().active > 0, scratch),
         steady_(flights_.SteadyAcceleration(start_.motion, scratch)),
         bodies_(m, d, mobility, start_, flights_, scratch) {}
@@ -115,7 +115,7 @@ void Resolver::AddImpact(const ContactRow& row, const ImpactTime& time, const Im
   const Share whole{impact.impulse, impact.moment, 1};
   const Share share =
       impact.at_once ? whole : ShareOfStep(pulse, state_.header().clock, m_->opt.timestep);
-  AddPending(state_, pulse, share.delivered_next);
+  AddPending(m_, ownership_, state_, pulse, share.delivered_next);
   AddShare(row, time, share, impact.at_once);
   struck_.Add(row, share.impulse, impact.impulse - share.impulse);
 }
@@ -402,8 +402,9 @@ void Resolver::RunRounds() {
 }  // namespace
 
 RigidFlights ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
-                            State& state, Delivery& delivery, Scratch& scratch) {
-  Resolver resolver(m, d, instance, mobility, state, delivery, scratch);
+                            const mjtNum* kick, State& state, Delivery& delivery,
+                            Scratch& scratch) {
+  Resolver resolver(m, d, instance, mobility, kick, state, delivery, scratch);
   resolver.Run();
   return resolver.flights();
 }

@@ -19,9 +19,10 @@
 namespace mujoco_impact::engine {
 
 // Resolves every impact of the step and adds what it exerts in it to `delivery`. New pulses are
-// left pending in the state. Returns the flights of tumbling bodies, whose impacts are no forces.
+// left pending in the state. `kick` is what pulses under way add to the velocity in the step (nv),
+// null if none is. Returns the flights of tumbling bodies, whose impacts are no forces.
 RigidFlights ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
-                            State& state, Delivery& delivery, Scratch& scratch);
+                            const mjtNum* kick, State& state, Delivery& delivery, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

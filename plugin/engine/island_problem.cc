@@ -19,11 +19,12 @@ IslandProblem MakeProblem(const mjModel* m, const Config& config, const IslandSy
       scratch.Zeros(n),
       scratch.Zeros(n),
       scratch.Zeros(n),
+      scratch.Zeros(n),
       scratch.Take<mjtNum>(n),
       {scratch.Take<mjtNum>(law::ImpactNumbers(n)), scratch.Take<int>(law::ImpactIndices(n))}};
   for (int k = 0; k < n; ++k) {
     const ContactRow& row = system.row[k];
-    problem.closing_speed[k] = -RowTimes(m, row, velocity);
+    problem.closing_speed[k] = Dot(row.normal, row.driven) - RowTimes(m, row, velocity);
     problem.gap[k] = row.gap <= config.touch ? 0 : row.gap;
     problem.stiffness[k] = law::HertzStiffness(config.effective_modulus, row.curvature);
   }

@@ -23,6 +23,7 @@ struct IslandProblem {
   mjtNum* moment;         // ∫ t F_k dt [N s²]
   mjtNum* onset;          // first time with force [s]
   mjtNum* duration;       // W_k [s], where P_k > 0
+  mjtNum* peak;           // largest F_k [N]; 0: that of the waveform
   mjtNum* after;          // separation speeds
   law::Workspace work;
 };

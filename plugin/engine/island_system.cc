@@ -20,12 +20,24 @@ RowSegment MakeSegment(const mjModel* m, int tree, Scratch& scratch) {
   return {tree, scratch.Zeros(dofs), scratch.Take<mjtNum>(dofs)};
 }
 
+Vector3 DrivenVelocity(const mjModel* m, const mjData* d, const MocapRecord* mocap,
+                       const ContactRow& row, mjtNum tau) {
+  Vector3 velocity[2];
+  for (int i = 0; i < 2; ++i) {
+    const Vector3 surface =
+        SurfacePoint(m, row.contact->geom[i], i, row.path.SideAt(i, tau), row.normal);
+    velocity[i] = MocapVelocity(m, d, mocap, row.path.side(i).body, surface);
+  }
+  return velocity[0] - velocity[1];
+}
+
 void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau, ContactRow& row,
              Scratch& scratch) {
   row.normal = row.path.Normal(tau);
   row.gap = row.path.Gap(tau);
   row.curvature = ContactCurvature(m, d, *row.contact);
   row.turn_rate = row.path.TurnRate(tau);
+  if (motion.mocap) row.driven = DrivenVelocity(m, d, motion.mocap, row, tau);
   const ContactTrees trees = TreesOf(m, *row.contact);
   const bool merged = trees.tree[0] == trees.tree[1];
   row.segment[0] = MakeSegment(m, trees.tree[0], scratch);
@@ -178,8 +190,15 @@ IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobi
   IslandSystem system{count, scratch.Take<ContactRow>(count), {}};
   for (int k = 0; k < count; ++k) {
     const int i = position[k];
-    ContactRow* row = new (&system.row[k]) ContactRow{
-        contacts.contact[i], ContactPath(m, d, Anchor(m, d, contacts, i), motion), {}, 0, 0, 0, {}};
+    ContactRow* row =
+        new (&system.row[k]) ContactRow{contacts.contact[i],
+                                        ContactPath(m, d, Anchor(m, d, contacts, i), motion),
+                                        {},
+                                        0,
+                                        0,
+                                        0,
+                                        {},
+                                        {}};
     FillRow(m, d, motion, tau, *row, scratch);
   }
   BuildDelassus(m, mobility, system, scratch);

@@ -33,6 +33,7 @@ struct ContactRow {
   mjtNum gap;        // gap(τ) [m]
   mjtNum curvature;  // 1/R* [1/m]
   mjtNum turn_rate;  // of the normal [rad/s]
+  Vector3 driven;    // velocity that mocap bodies give to side 0 over side 1 [m/s]
   RowSegment segment[2];
 };
 

@@ -18,14 +18,16 @@
 #include <mujoco/mujoco.h>
 
 #include "engine/mobility.h"
+#include "engine/mocap.h"
 #include "engine/scratch.h"
 
 namespace mujoco_impact::engine {
 
 struct Motion {
-  mjtNum* velocity;      // V (nv)
-  mjtNum* acceleration;  // a (nv)
-  mjtNum* jerk;          // b (nv)
+  mjtNum* velocity;                    // V (nv)
+  mjtNum* acceleration;                // a (nv)
+  mjtNum* jerk;                        // b (nv)
+  const MocapRecord* mocap = nullptr;  // how mocap bodies move meanwhile
 };
 
 // Position lag of the integrator in units of h: where within the step it thinks an impulse came

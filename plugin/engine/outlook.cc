@@ -5,8 +5,9 @@
 namespace mujoco_impact::engine {
 
 Outlook LookAhead(const mjModel* m, mjData* d, const Mobility& mobility, const Delivery& delivery,
-                  bool pulses, Scratch& scratch) {
+                  const MocapRecord* mocap, bool pulses, Scratch& scratch) {
   Outlook outlook{0, PredictMotion(m, d, mobility, scratch), nullptr, nullptr};
+  outlook.motion.mocap = mocap;
   if (!pulses) return outlook;
   outlook.bend = scratch.Take<mjtNum>(m->nv);
   outlook.arrears = scratch.Take<mjtNum>(m->nv);
@@ -35,19 +36,24 @@ BodiesInStep::BodiesInStep(const mjModel* m, mjData* d, const Mobility& mobility
       flights_(flights),
       qpos_(scratch.Take<mjtNum>(m->nq)),
       qvel_(scratch.Take<mjtNum>(m->nv)),
-      moved_{scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv)},
+      mocap_pos_(scratch.Take<mjtNum>(3 * m->nmocap)),
+      mocap_quat_(scratch.Take<mjtNum>(4 * m->nmocap)),
+      moved_{scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv),
+             start.motion.mocap},
       kick_(scratch.Take<mjtNum>(m->nv)),
       displacement_(scratch.Take<mjtNum>(m->nv)),
       work_(scratch.Take<mjtNum>(m->nv)),
       arrears_(scratch.Take<mjtNum>(m->nv)) {
   mju_copy(qpos_, d->qpos, m->nq);
   mju_copy(qvel_, d->qvel, m->nv);
+  mju_copy(mocap_pos_, d->mocap_pos, 3 * m->nmocap);
+  mju_copy(mocap_quat_, d->mocap_quat, 4 * m->nmocap);
 }
 
 BodiesInStep::~BodiesInStep() { PutBack(); }
 
 void BodiesInStep::PutBack() {
-  if (away_) Place(nullptr, qvel_, 0);
+  if (away_) Place(0, nullptr, qvel_);
   away_ = false;
 }
 
@@ -85,7 +91,7 @@ Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery, const Kicks& ki
     a[i] += A + B * t;
     b[i] += B;
   }
-  Place(displacement_, v, t);
+  Place(t, displacement_, v);
   return {t, moved_, start_.bend, ArrearsAt(t, owed)};
 }
 
@@ -106,7 +112,10 @@ mjtNum* BodiesInStep::ArrearsAt(mjtNum t, mjtNum* owed) {
 
 // MuJoCo's own kinematics at qpos ⊕ displacement, or at qpos if that is null: the same code with
 // the same input gives the same bits when the bodies are put back.
-void BodiesInStep::Place(const mjtNum* displacement, const mjtNum* velocity, mjtNum t) {
+void BodiesInStep::Place(mjtNum t, const mjtNum* displacement, const mjtNum* velocity) {
+  mju_copy(d_->mocap_pos, mocap_pos_, 3 * m_->nmocap);
+  mju_copy(d_->mocap_quat, mocap_quat_, 4 * m_->nmocap);
+  if (displacement) MoveMocap(m_, d_, start_.motion.mocap, t);
   mju_copy(d_->qpos, qpos_, m_->nq);
   if (displacement) mj_integratePos(m_, d_->qpos, displacement, 1);
   mju_copy(d_->qvel, velocity, m_->nv);

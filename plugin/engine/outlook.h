@@ -32,7 +32,7 @@ struct Outlook {
 
 // From the start of the step; `pulses` says whether any is under way.
 Outlook LookAhead(const mjModel* m, mjData* d, const Mobility& mobility, const Delivery& delivery,
-                  bool pulses, Scratch& scratch);
+                  const MocapRecord* mocap, bool pulses, Scratch& scratch);
 
 // Velocity at τ, every pulse under way delivered: impacts are decided on the velocity the bodies
 // will have, or a body struck in the middle of a long pulse would get too small a share (nv).
@@ -57,7 +57,7 @@ class BodiesInStep {
   void PutBack();
 
  private:
-  void Place(const mjtNum* displacement, const mjtNum* velocity, mjtNum t);
+  void Place(mjtNum t, const mjtNum* displacement, const mjtNum* velocity);
   void AddTied(const mjtNum* kick, mjtNum s, mjtNum* result);
   mjtNum* ArrearsAt(mjtNum t, mjtNum* owed);
 
@@ -66,7 +66,8 @@ class BodiesInStep {
   const Mobility& mobility_;
   const Outlook start_;
   RigidFlights& flights_;
-  mjtNum *qpos_, *qvel_;  // at the start of the step
+  mjtNum *qpos_, *qvel_;             // at the start of the step
+  mjtNum *mocap_pos_, *mocap_quat_;  // then
   Motion moved_;
   mjtNum *kick_, *displacement_, *work_, *arrears_;
   bool away_ = false;

@@ -5,26 +5,32 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/contact_stiffness.h"
 #include "law/waveform.h"
 
 namespace mujoco_impact::engine {
 
 namespace {
 
-// Of M: what else presses meanwhile, and the turning of normals, need room, too.
-constexpr mjtNum kOfDepth = 0.5;
-
 // Of 1/(1/R₁ + 1/R₂): beyond, a contact is no longer one at a point.
 constexpr mjtNum kOfRadius = 0.5;
 
-// Of the same: what may show at the end of the step in which an impact comes at once.
-constexpr mjtNum kShown = 0.05;
+// Of the same: overlaps that do not matter to where bodies are.
+constexpr mjtNum kTouching = 0.08;
 
-// How much deeper than at the onset bodies may come. The nearer to M they are, the less.
-mjtNum RoomOf(const ContactRow& row, mjtNum depth) {
-  constexpr mjtNum kOfRest = 0.25, kLeast = 1e-3;
+// How much deeper than at the onset bodies may come that may be as deep as that. The deeper they
+// are, the less: what else presses meanwhile, and the turning of normals, need room, too.
+mjtNum RoomWithin(const ContactRow& row, mjtNum depth) {
+  constexpr mjtNum kHalf = 0.5, kOfRest = 0.25, kLeast = 1e-3;
   const mjtNum overlap = std::max<mjtNum>(0, -row.gap);
-  return std::max({kOfDepth * depth - overlap, kOfRest * (depth - overlap), kLeast * depth});
+  return std::max({kHalf * depth - overlap, kOfRest * (depth - overlap), kLeast * depth});
+}
+
+mjtNum DepthOf(const ContactRow& row) { return -row.contact->includemargin; }
+
+// While an impact lasts.
+mjtNum RoomOf(const ContactRow& row) {
+  return RoomWithin(row, std::max(DepthOf(row), kTouching / row.curvature));
 }
 
 // ∫∫ F_k of the waveform by time t.
@@ -35,16 +41,9 @@ mjtNum TwiceIntegrated(const IslandProblem& problem, int k, mjtNum t, mjtNum res
          (x * law::WaveformCumulative(x, restitution) - law::WaveformMoment(x, restitution));
 }
 
-// The depth M while pulses last. Where impulses come at once the solver leaves alone what parts
-// (silence.h), so more may show.
-mjtNum DepthOf(const ContactRow& row, bool at_once) {
-  const mjtNum depth = -row.contact->includemargin;
-  return at_once ? std::max(depth, kShown / row.curvature) : depth;
-}
-
 // λ at time t, `integral` ∫∫ F_k by then.
 mjtNum LessAt(const IslandSystem& system, const IslandProblem& problem, mjtNum t,
-              const mjtNum* integral, bool at_once) {
+              const mjtNum* integral) {
   mjtNum* displacement = problem.work.numbers + problem.size;
   law::Multiply(system.delassus, integral, displacement);
   mjtNum less = 1;
@@ -52,7 +51,7 @@ mjtNum LessAt(const IslandSystem& system, const IslandProblem& problem, mjtNum t
     if (problem.impulse[k] <= 0) continue;
     // y = c t − g − W ∫∫ F
     const mjtNum overlap = problem.closing_speed[k] * t - problem.gap[k] - displacement[k];
-    const mjtNum room = RoomOf(system.row[k], DepthOf(system.row[k], at_once));
+    const mjtNum room = RoomOf(system.row[k]);
     if (overlap > room) less = std::min(less, room / overlap);
   }
   return less;
@@ -64,7 +63,7 @@ mjtNum LessOfMoments(const IslandSystem& system, const IslandProblem& problem, m
   for (int k = 0; k < problem.size; ++k) {
     integral[k] = problem.impulse[k] * t - problem.moment[k];
   }
-  return LessAt(system, problem, t, integral, true);
+  return LessAt(system, problem, t, integral);
 }
 
 }  // namespace
@@ -102,7 +101,7 @@ mjtNum OverlapLess(const Config& config, const IslandSystem& system, const Islan
     for (int k = 0; k < problem.size; ++k) {
       integral[k] = TwiceIntegrated(problem, k, t, config.waveform_restitution);
     }
-    less = std::min(less, LessAt(system, problem, t, integral, false));
+    less = std::min(less, LessAt(system, problem, t, integral));
   }
   return less;
 }
@@ -118,8 +117,31 @@ mjtNum TurnLess(const IslandSystem& system, const IslandProblem& problem) {
   return less;
 }
 
-mjtNum DentLess(const IslandSystem& system, const IslandProblem& problem) {
-  return LessOfMoments(system, problem, EndOf(problem));
+void PressOutDents(const IslandSystem& system, IslandProblem& problem, mjtNum t) {
+  constexpr int kSweeps = 100;
+  constexpr mjtNum kOfRoom = 1e-3;
+  const law::DelassusMatrix& W = system.delassus;
+  mjtNum* free = problem.work.numbers;  // overlap if the impulses came at once
+  mjtNum* taken = free + problem.size;
+  law::Multiply(W, problem.impulse, free);
+  for (int k = 0; k < problem.size; ++k) {
+    free[k] = problem.closing_speed[k] * t - problem.gap[k] - t * free[k];
+    taken[k] = 0;
+  }
+  // y = c t − g − W (P t − M), by projected Gauss-Seidel sweeps
+  bool settled = false;
+  for (int sweep = 0; sweep < kSweeps && !settled; ++sweep) {
+    settled = true;
+    for (int k = 0; k < problem.size; ++k) {
+      if (problem.impulse[k] <= 0) continue;
+      const mjtNum room = RoomWithin(system.row[k], DepthOf(system.row[k]));
+      const mjtNum excess = free[k] + law::RowTimes(W, k, problem.moment) - room;
+      const mjtNum change = std::max(excess / W.diagonal[k], -taken[k]);
+      problem.moment[k] -= change;
+      taken[k] += change;
+      if (std::abs(change) * W.diagonal[k] > kOfRoom * room) settled = false;
+    }
+  }
 }
 
 bool MayComeAtOnce(const IslandSystem& system, const IslandProblem& problem, mjtNum time) {

@@ -6,6 +6,7 @@
 
 #include "engine/commit.h"
 #include "engine/config.h"
+#include "engine/meeting.h"
 #include "engine/ownership.h"
 #include "engine/sensor.h"
 #include "engine/state.h"
@@ -34,6 +35,24 @@ const char* ModelFault(const mjModel* m, int instance) {
   return TupleFault(m, instance);
 }
 
+const char* Name(const mjModel* m, int type, int id) {
+  const char* name = mj_id2name(m, type, id);
+  return name ? name : "";
+}
+
+// Whether a contact of the instance would depend on the order of the instances, with a warning.
+bool WarnOfConflict(const mjModel* m, int instance) {
+  const Meeting meeting = FindConflict(m, instance);
+  if (meeting.other < 0) return false;
+  mju_warning(
+      "%s: the instances '%s' and '%s' have different settings, and their geoms '%s' and '%s' can "
+      "meet; allowed: the same settings in both, one instance for all of these geoms, or geoms "
+      "kept apart by contype and conaffinity",
+      kPluginName, Name(m, mjOBJ_PLUGIN, instance), Name(m, mjOBJ_PLUGIN, meeting.other),
+      Name(m, mjOBJ_GEOM, meeting.geom[0]), Name(m, mjOBJ_GEOM, meeting.geom[1]));
+  return true;
+}
+
 int Init(const mjModel* m, mjData* d, int instance) {
   d->plugin_data[instance] = 0;
   if (const char* fault = ModelFault(m, instance)) {
@@ -46,7 +65,7 @@ int Init(const mjModel* m, mjData* d, int instance) {
     mju_warning("%s", error.message);
     return -1;
   }
-  return 0;
+  return WarnOfConflict(m, instance) ? -1 : 0;
 }
 
 void Compute(const mjModel* m, mjData* d, int instance, int capability) {

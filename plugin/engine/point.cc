@@ -35,6 +35,16 @@ int LastDof(const mjModel* m, int body) {
   return m->body_dofnum[body] ? m->body_dofadr[body] + m->body_dofnum[body] - 1 : -1;
 }
 
+Vector3 PointVelocityBy(const mjModel* m, const mjData* d, const BodyPoint& point,
+                        const mjtNum* velocity) {
+  const Vector3 offset = point.position - Origin(m, d, point.body);
+  Vector3 result{};
+  for (int i = LastDof(m, point.body); i >= 0; i = m->dof_parentid[i]) {
+    result += velocity[i] * AxisTimes(d->cdof + 6 * i, offset);
+  }
+  return result;
+}
+
 PointDerivatives PointMotion(const mjModel* m, const mjData* d, const BodyPoint& point,
                              const Motion& motion, bool turning) {
   const Vector3 offset = point.position - Origin(m, d, point.body);
@@ -53,6 +63,7 @@ PointDerivatives PointMotion(const mjModel* m, const mjData* d, const BodyPoint&
     const Vector3 past = Cross(Load(d->cdof + 6 * i), point_velocity);
     result.acceleration += V * (AxisTimes(axis_dot, offset) + past);
   }
+  result.velocity += MocapVelocity(m, d, motion.mocap, point.body, point.position);
   return result;
 }
 

@@ -33,12 +33,16 @@ inline Vector3 SurfacePoint(const mjModel* m, int geom, int side, const Vector3&
 // Last degree of freedom that moves the body, −1 for a static one.
 int LastDof(const mjModel* m, int body);
 
-// Velocity of the point by mjData.cvel, without a Jacobian.
+// Velocity of the point by mjData.cvel, without a Jacobian, and without that of a mocap body.
 inline Vector3 PointVelocity(const mjModel* m, const mjData* d, const BodyPoint& point) {
   const Vector3 com = Load(d->subtree_com + 3 * m->body_rootid[point.body]);
   const mjtNum* v = d->cvel + 6 * point.body;
   return Load(v + 3) + Cross(Load(v), point.position - com);
 }
+
+// Velocity of the point by other velocities of the degrees of freedom (nv).
+Vector3 PointVelocityBy(const mjModel* m, const mjData* d, const BodyPoint& point,
+                        const mjtNum* velocity);
 
 // Derivatives of the position of a point along the path of a Motion, world frame.
 struct PointDerivatives {

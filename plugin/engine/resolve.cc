@@ -49,10 +49,11 @@ bool SolveHertz(const mjModel* m, const Config& config, const IslandSystem& syst
                                   config.tolerance,
                                   StepLimit(m, config, system),
                                   time.longest};
-  for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset}) {
+  for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset, problem.peak}) {
     mju_zero(solution, problem.size);
   }
-  law::ImpactSolution solution{problem.impulse, problem.moment, problem.onset, problem.after};
+  law::ImpactSolution solution{problem.impulse, problem.moment, problem.onset, problem.after,
+                               problem.peak};
   const law::ImpactReport report =
       law::SolveImpact(impact, config.passive, &solution, problem.work);
   for (int k = 0; k < problem.size; ++k) {
@@ -97,6 +98,7 @@ bool AreShorter(const IslandProblem& problem, mjtNum time) {
 bool SetCommonPulse(const Config& config, const IslandSystem& system, const ImpactTime& time,
                     mjtNum duration, IslandProblem& problem) {
   std::fill_n(problem.onset, problem.size, 0);
+  std::fill_n(problem.peak, problem.size, 0);
   std::fill_n(problem.duration, problem.size, duration);
   const mjtNum less = std::min(OverlapLess(config, system, problem), TurnLess(system, problem));
   mju_scl(problem.duration, problem.duration, less, problem.size);
@@ -118,8 +120,10 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
   for (int i = 0;; ++i) {
     const bool over = SolveHertz(m, config, system, time, problem);
     mjtNum less = std::min(CompressLess(system, problem), TurnLess(system, problem));
-    if (config.restitution < 1) less = std::min(less, DentLess(system, problem));
     if (InstantRule(config) && less >= 1) {
+      if (config.restitution < 1) {
+        PressOutDents(system, problem, std::max(EndOf(problem), time.left()));
+      }
       at_once = AreShorter(problem, time.timestep);
       if (!at_once) less = OverlapLess(config, system, problem);
     }
@@ -231,6 +235,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
                   alpha[k],
                   tau + problem.onset[k],
                   problem.duration[k],
+                  problem.peak[k],
                   problem.moment[k] + tau * P,
                   loss * P,
                   at_once,

@@ -19,6 +19,7 @@ struct Impact {
   mjtNum alpha;     // P_k over the impulse of the reference waveform [-]
   mjtNum onset;     // [s]
   mjtNum duration;  // W [s]
+  mjtNum peak;      // largest force of the contact [N]; 0: that of the waveform
   mjtNum moment;    // ∫ t F dt [N s²], if the law knows it better than the waveform
   mjtNum loss;      // of kinetic energy, by the part of the impulse in that of the island [J]
   bool at_once;     // shorter than the step: deliver it whole, by its moment

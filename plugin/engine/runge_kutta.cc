@@ -17,12 +17,6 @@ mjtNum Fingerprint(const mjModel* m, const mjData* d) {
   return sum;
 }
 
-// Whether the contact would be the plugin's if its bodies overlapped less.
-bool IsTakenOver(const Ownership& ownership, const mjContact& contact) {
-  return contact.efc_address >= 0 && contact.includemargin < 0 && contact.geom[0] >= 0 &&
-         contact.geom[1] >= 0 && ownership.Owns(contact);
-}
-
 // Geoms of others count as held: what matters is the body of ours.
 bool IsCarried(const Ownership& ownership, State& state, int geom) {
   const int index = ownership.Index(geom);

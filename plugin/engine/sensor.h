@@ -2,9 +2,10 @@
 // The sensor of an instance: what the impacts do to each owned geom.
 //
 // Per owned geom, in the order of the tuple: force on it in the world frame, averaged over the step
-// (3) [N]; impulse of its current or last impact [N s]; peak force H of that [N]; α [-]; impacts
-// since reset. Room is left for all tuples of the model (ownership.h); what is beyond the owned
-// geoms is zero. MuJoCo's own force, touch and contact sensors do not see these contacts.
+// (3) [N]; impulse of its current or last impact [N s]; largest force of that [N]; α [-]; since
+// reset: impacts, impulse in the world frame (3) [N s], largest force [N] (record.h). Room is left
+// for all tuples of the model (ownership.h); what is beyond the owned geoms is zero. MuJoCo's own
+// force, touch and contact sensors do not see these contacts.
 
 #ifndef MUJOCO_IMPACT_ENGINE_SENSOR_H_
 #define MUJOCO_IMPACT_ENGINE_SENSOR_H_
@@ -13,7 +14,7 @@
 
 namespace mujoco_impact::engine {
 
-constexpr int kNumbersPerGeom = 7;
+constexpr int kNumbersPerGeom = 11;
 
 // The stage at which MuJoCo asks for the sensor comes before the passive forces, so there it
 // reports what has been committed; `compute` of the passive forces then adds the impacts of this

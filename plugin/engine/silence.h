@@ -1,19 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contacts that MuJoCo's solver must leave alone in a step.
+// Contacts that MuJoCo's solver is to take for open in this step.
 //
 // The solver carries what rests. A contact that closes faster than at rest (rest.h) is an impact
 // and ours; one that parts faster exerts no force, though MuJoCo's would: its friction acts while
-// bodies overlap, and in the step after an impact they may. Both are made to look open.
+// bodies overlap, and in the step after an impact they may. And where a pulse of ours presses,
+// MuJoCo's contact must not push besides.
+//
+// Passive forces are computed after the rows are made and before their references are, so a row can
+// be told then that its bodies are apart.
 
 #ifndef MUJOCO_IMPACT_ENGINE_SILENCE_H_
 #define MUJOCO_IMPACT_ENGINE_SILENCE_H_
 
 #include <mujoco/mujoco.h>
 
+#include "engine/ownership.h"
+#include "engine/state.h"
+
 namespace mujoco_impact::engine {
 
-// Silences all owned contacts whose bodies move along the normal faster than at rest.
-void SilenceMoving(const mjModel* m, mjData* d, int instance);
+// Whether the contact is one of ours that overlaps deeper than its depth, so that it has rows.
+inline bool IsTakenOver(const Ownership& ownership, const mjContact& contact) {
+  return IsOffered(contact) && contact.efc_address >= 0 && ownership.Owns(contact);
+}
+
+// Whether a pulse between the geoms of the contact presses, or did a moment ago.
+bool HasPulse(const State& state, const mjContact& contact);
+
+// Silences the owned contacts in which pulses press and, unless any is under way, those whose
+// bodies move along the normal faster than at rest.
+void SilenceMoving(const mjModel* m, mjData* d, int instance, bool pulses, State& state);
 
 // Makes the solver see the contact with this index as open, however fast it closes.
 void Silence(mjData* d, int contact);

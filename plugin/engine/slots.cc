@@ -2,9 +2,10 @@
 
 #include "engine/slots.h"
 
+#include <algorithm>
 #include <cstdint>
 
-#include "engine/ownership.h"
+#include "engine/record.h"
 #include "law/waveform.h"
 
 namespace mujoco_impact::engine {
@@ -15,16 +16,9 @@ bool IsFree(const Pulse& pulse) {
   return pulse.serial == 0 || (pulse.serial > 0 && pulse.delivered >= 1);
 }
 
-void RecordImpact(const Ownership& ownership, const Pulse& pulse, State& state) {
-  for (const double geom : pulse.geom) {
-    const int index = ownership.Index(static_cast<int>(geom));
-    if (index < 0) continue;
-    GeomRecord& record = state.record(index);
-    record.impulse = pulse.impulse;
-    record.peak = law::WaveformHeight(pulse.impulse, pulse.duration);
-    record.alpha = pulse.alpha;
-    record.count += 1;
-  }
+// A Hertz contact presses harder than the waveform of its impulse and duration.
+mjtNum PeakForce(const Impact& impact) {
+  return impact.peak > 0 ? impact.peak : law::WaveformHeight(impact.impulse, impact.duration);
 }
 
 }  // namespace
@@ -52,6 +46,7 @@ Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, co
   pulse.alpha = impact.alpha;
   pulse.duration = impact.duration;
   pulse.restitution = config.waveform_restitution;
+  pulse.peak = PeakForce(impact);
   pulse.loss = impact.loss;
   pulse.scale = 1;
   Store(row.normal, pulse.line.normal);
@@ -75,7 +70,8 @@ bool HasRoom(const State& state, int number) {
   return number <= 0;
 }
 
-void AddPending(State& state, const Pulse& pulse, mjtNum delivered_next) {
+void AddPending(const mjModel* m, const Ownership& ownership, State& state, const Pulse& pulse,
+                mjtNum delivered_next) {
   Header& header = state.header();
   header.pending_pulses += 1;
   const double serial = header.count + header.pending_pulses;
@@ -89,19 +85,20 @@ void AddPending(State& state, const Pulse& pulse, mjtNum delivered_next) {
     slot.serial = -serial;
     slot.delivered = 0;
     slot.delivered_next = delivered_next;
+    RecordOnset(m, ownership, pulse, false, state);
     return;
   }
+  RecordOnset(m, ownership, pulse, true, state);
 }
 
-void CommitPulses(const mjModel* m, State& state, int instance) {
+void CommitPulses(State& state) {
   Header& header = state.header();
-  const Ownership ownership(m, instance);
   header.active = 0;
   for (int i = 0; i < state.slots(); ++i) {
     Pulse& pulse = state.pulse(i);
     if (pulse.serial < 0) {
       pulse.serial = -pulse.serial;
-      RecordImpact(ownership, pulse, state);
+      header.pressed_until = std::max(header.pressed_until, pulse.presses_until());
     }
     pulse.delivered = pulse.delivered_next;
     pulse.scale = pulse.scale_next;

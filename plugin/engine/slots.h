@@ -8,6 +8,7 @@
 
 #include "engine/config.h"
 #include "engine/island_system.h"
+#include "engine/ownership.h"
 #include "engine/resolve.h"
 #include "engine/state.h"
 
@@ -23,11 +24,13 @@ Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, co
 // Whether `number` more pulses fit into the slots.
 bool HasRoom(const State& state, int number);
 
-// Puts the pulse into a slot that is not under way, as pending; without one it has no record.
-void AddPending(State& state, const Pulse& pulse, mjtNum delivered_next);
+// Puts the pulse into a slot that is not under way, as pending; without one only the records of its
+// geoms know of it.
+void AddPending(const mjModel* m, const Ownership& ownership, State& state, const Pulse& pulse,
+                mjtNum delivered_next);
 
 // Commits the pending pulses and the parts delivered.
-void CommitPulses(const mjModel* m, State& state, int instance);
+void CommitPulses(State& state);
 
 }  // namespace mujoco_impact::engine
 

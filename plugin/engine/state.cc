@@ -18,6 +18,7 @@ constexpr int kHeaderSize = sizeof(Header) / sizeof(mjtNum);
 constexpr int kRecordSize = sizeof(GeomRecord) / sizeof(mjtNum);
 constexpr int kPulseSize = sizeof(Pulse) / sizeof(mjtNum);
 constexpr int kFlightSize = sizeof(FlightRecord) / sizeof(mjtNum);
+constexpr int kMocapSize = sizeof(MocapRecord) / sizeof(mjtNum);
 
 // A row of n balls has n − 1 contacts; two a geom leaves room for overlapping pulses and clusters.
 int SlotNumber(int capacity) { return 2 * capacity + 2; }
@@ -67,7 +68,7 @@ void WarnOfReset() {
 }  // namespace
 
 int State::Size(const mjModel* m, int capacity) {
-  const int motion = 2 * static_cast<int>(m->nv) + kFlightSize * static_cast<int>(m->ntree);
+  const int motion = static_cast<int>(2 * m->nv + m->ntree * kFlightSize + m->nmocap * kMocapSize);
   return kHeaderSize + capacity * kRecordSize + SlotNumber(capacity) * kPulseSize + motion;
 }
 
@@ -109,6 +110,7 @@ void State::Bind(const mjModel* m, mjtNum* numbers) {
   correction_ = pulses + SlotNumber(room) * kPulseSize;
   held_force_ = correction_ + m->nv;
   flights_ = reinterpret_cast<FlightRecord*>(held_force_ + m->nv);
+  mocap_ = m->nmocap > 0 ? reinterpret_cast<MocapRecord*>(flights_ + m->ntree) : nullptr;
 }
 
 }  // namespace mujoco_impact::engine

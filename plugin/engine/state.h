@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The layout of an instance's plugin_state: everything that evolves, and nothing else.
 //
-//   header | per owned geom: impulse, peak, alpha, count | pulse slots | position correction (nv)
-//          | held force (nv) | struck, work of each kinematic tree
+//   header | per owned geom: its record | pulse slots | position correction (nv)
+//          | held force (nv) | per kinematic tree: its flight | per mocap body: pose, velocity
 //
 // It describes itself (the header holds the sizes), so that Python finds the pulses in it.
 // `compute` writes only what it has pending: slots with a negative serial, `delivered_next` of the
@@ -14,6 +14,9 @@
 #define MUJOCO_IMPACT_ENGINE_STATE_H_
 
 #include <mujoco/mujoco.h>
+
+#include "engine/mocap.h"
+#include "engine/record.h"
 
 namespace mujoco_impact::engine {
 
@@ -35,6 +38,7 @@ struct Pulse {
   double alpha;            // P_k over the impulse of the waveform [-]
   double duration;         // W [s]
   double restitution;      // E of the waveform [-]
+  double peak;             // largest force: that of the Hertz contact, or H of the waveform [N]
   double delivered;        // part of the impulse delivered by the start of the step [-]
   double delivered_next;   // and by its end; committed by advance
   double scale;            // of what is not delivered, over that part of P_k (settled_energy.h) [-]
@@ -46,21 +50,16 @@ struct Pulse {
   LineOfAction line;       // in the last step, or at the onset
   LineOfAction line_next;  // in this step; committed by advance
 
+  // Until when its contact is not MuJoCo's: a waveform is not over just when its bodies have
+  // parted, and one that came at once has them on the path that it leaves.
+  double presses_until() const { return onset + 2 * duration; }
   bool under_way() const { return serial > 0 && delivered < 1; }
+  double end() const { return onset + duration; }  // on the clock [s]
   // What is yet to come in this step and after it [N s].
   double remaining() const { return scale_next * impulse * (1 - delivered); }
   // What is yet to come after this step [N s].
   double remaining_next() const { return scale_next * impulse * (1 - delivered_next); }
   bool slides() const { return tangent[0] != 0 || tangent[1] != 0 || tangent[2] != 0; }
-};
-
-// What the sensor reports of the last impact of a geom.
-struct GeomRecord {
-  double impulse;  // [N s]
-  double peak;     // H [N]
-  double alpha;    // [-]
-  double count;    // impacts since reset
-  double carried;  // 1: one of MuJoCo's contacts holds it at the start of the step (runge_kutta.h)
 };
 
 // What impacts do to a tumbling body, beside its entries of the correction and the held force
@@ -83,6 +82,7 @@ struct Header {
   double touch;           // the attribute, for the scan that every step pays [m]
   double capacity;        // bound of the geoms owned, for which there is room
   double pending_pulses;  // of them, new pulses
+  double pressed_until;   // on the clock: when the last pulse presses no more [s]
   // Runge-Kutta: the forces of its first stage are held for the other three
   double stage_open;         // 1: a first stage has been computed since the last advance
   double stage_time;         // mjData.time of it
@@ -115,6 +115,7 @@ class State {
   mjtNum* correction() { return correction_; }
   mjtNum* held_force() { return held_force_; }
   FlightRecord& flight(int tree) { return flights_[tree]; }
+  MocapRecord* mocap() { return mocap_; }  // null if the model has no mocap body
 
  private:
   void Bind(const mjModel* m, mjtNum* numbers);
@@ -125,6 +126,7 @@ class State {
   mjtNum* correction_;     // Δq that advance adds to the position (nv)
   mjtNum* held_force_;     // generalized force of the first Runge-Kutta stage (nv)
   FlightRecord* flights_;  // (ntree)
+  MocapRecord* mocap_;
 };
 
 // Visits the pulses that are not yet delivered.

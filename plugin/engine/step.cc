@@ -24,7 +24,7 @@ namespace {
 // this many vectors of the length of each, MuJoCo's own in the functions we call included.
 size_t StepBytes(const mjModel* m, const mjData* d) {
   constexpr size_t kVectors = 48;
-  const size_t numbers = m->nq + m->nv + m->nbody + m->ntree + m->nu;
+  const size_t numbers = m->nq + m->nv + m->nbody + m->ntree + m->nu + m->nmocap;
   // nine: the points of other shapes are found again, and more of them
   size_t points = 0;
   for (int i = 0; i < d->ncon; ++i) {
@@ -47,9 +47,10 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   OpenStage(m, d, state);
   DiscardPending(m, state);
   const bool pulses = state.header().active > 0;
-  if (!pulses) SilenceMoving(m, d, instance);
-  const bool closing = AnyMayClose(m, d, state.header().touch);
-  if (!pulses && !closing) return;
+  const mjtNum touch = state.header().touch;
+  if (m->nmocap > 0) FindMocapVelocities(m, d, instance, state);
+  SilenceMoving(m, d, instance, pulses, state);
+  if (!pulses && !AnyMayClose(m, d, state.mocap(), touch)) return;
 
   Scratch scratch(d);
   if (!scratch.Fits(StepBytes(m, d))) {
@@ -58,18 +59,25 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
         "wait; raise <size memory=\"...\"/> in the model");
     return;
   }
+  BeginRecords(state);
   const Mobility mobility(m, d, scratch);
   Delivery delivery = MakeDelivery(m, scratch);
-  if (pulses) DeliverActive(m, d, mobility, state, delivery, scratch);
+  mjtNum* kick = nullptr;
+  if (pulses) {
+    DeliverActive(m, d, mobility, state, delivery, scratch);
+    kick = scratch.Take<mjtNum>(m->nv);
+    mobility.Solve(kick, delivery.impulse);
+  }
   RigidFlights flights;
-  if (closing) {
-    flights = ResolveImpacts(m, d, instance, mobility, state, delivery, scratch);
+  if (!pulses || AnyMayCloseByPulses(m, d, state.mocap(), touch, kick)) {
+    flights = ResolveImpacts(m, d, instance, mobility, kick, state, delivery, scratch);
   }
   if (pulses && state.header().pending_pulses > 0) {
     EndOverfullByImpacts(m, d, mobility, state, delivery, scratch);
   }
   Apply(m, d, mobility, state, delivery, scratch);
   flights.Finish(state);
+  RecordForces(m, instance, state);
   NoteCarried(m, d, instance, state);
   ComputeSensors(m, d, instance, true);
 }

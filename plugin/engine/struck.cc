@@ -32,6 +32,7 @@ void Struck::BeginRound(const Motion& path) {
   mju_copy(kicked_.velocity, path.velocity, m_->nv);
   kicked_.acceleration = path.acceleration;
   kicked_.jerk = path.jerk;
+  kicked_.mocap = path.mocap;
 }
 
 // Visits the trees that an impulse of the contact moves.

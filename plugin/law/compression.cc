@@ -45,6 +45,7 @@ class Integrator {
   double FractionToTurn(double h) const;
   void Accept(double h);
   void NoteOnsets();
+  void NotePeaks();
   void UpdatePhases();
   void SetRates();
   void MoveWindow();
@@ -171,8 +172,17 @@ void Integrator::NoteOnsets() {
   }
 }
 
+void Integrator::NotePeaks() {
+  const double *F3 = force_[2], *F4 = force_[3];
+  for (int i = 0, end = lanes_.size(); i < end; ++i) {
+    double& peak = solution_.peak[lanes_.contact(i)];
+    peak = std::max({peak, F3[i], F4[i]});
+  }
+}
+
 void Integrator::Accept(double h) {
   NoteOnsets();
+  if (solution_.peak) NotePeaks();
   const double *F1 = force_[0], *F2 = force_[1], *F3 = force_[2], *F4 = force_[3];
   const double after = t_ + h, hh = h * h;
   for (int i = 0, end = lanes_.padded(); i < end; i += 2) {
@@ -254,6 +264,7 @@ void Integrator::CollideAlone(int i) {
                                                 problem_.stiffness[k], problem_.restitution);
   const double P = single.impulse, T = single.duration;
   if (lanes_.impulse[i] == 0) solution_.onset[k] = t_;
+  if (solution_.peak) solution_.peak[k] = std::max(solution_.peak[k], single.peak);
   lanes_.impulse[i] += P;
   lanes_.moment[i] += t_ * P + single.moment;
   for (int j = 0; j < lanes_.size(); ++j) lanes_.y[j] += lanes_.c[j] * T;

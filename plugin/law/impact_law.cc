@@ -22,6 +22,7 @@ ImpactReport SolveIsolated(const ImpactProblem& problem, ImpactSolution* solutio
   const double u = problem.closing_speed[0];
   solution->impulse[0] = solution->moment[0] = solution->onset[0] = 0;
   solution->closing_speed[0] = u;
+  if (solution->peak) solution->peak[0] = 0;
   if (u <= 0 || problem.gap[0] > u * problem.horizon) return {0, true};
   const double mu = 1 / problem.delassus.diagonal[0];
   const SingleImpact single = SolveSingleImpact(mu, u, problem.stiffness[0], problem.restitution);
@@ -30,6 +31,7 @@ ImpactReport SolveIsolated(const ImpactProblem& problem, ImpactSolution* solutio
   solution->moment[0] = single.moment + onset * single.impulse;
   solution->onset[0] = onset;
   solution->closing_speed[0] = -problem.restitution * u;
+  if (solution->peak) solution->peak[0] = single.peak;
   return {1, true};
 }
 

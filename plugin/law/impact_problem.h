@@ -52,10 +52,11 @@ struct ImpactProblem {
 
 // Arrays of `size`, owned by the caller.
 struct ImpactSolution {
-  double* impulse;        // P_k [N s] ≥ 0
-  double* moment;         // M_k [N s²]
-  double* onset;          // first time with force [s]
-  double* closing_speed;  // c_k after the impact [m/s], ≤ 0 up to the tolerance
+  double* impulse;         // P_k [N s] ≥ 0
+  double* moment;          // M_k [N s²]
+  double* onset;           // first time with force [s]
+  double* closing_speed;   // c_k after the impact [m/s], ≤ 0 up to the tolerance
+  double* peak = nullptr;  // largest F_k at the steps of the integration [N]; null: not wanted
 };
 
 // Memory of an integration, owned by the caller.

@@ -2,6 +2,8 @@
 
 #include "law/single_impact.h"
 
+#include <cmath>
+
 #include "law/hertz_contact.h"
 
 namespace mujoco_impact::law {
@@ -15,6 +17,7 @@ SingleImpact SolveSingleImpact(double reduced_mass, double speed, double stiffne
   single.duration = (1 + e) / 2 * ContactTime(stiffness, reduced_mass, speed);
   single.moment = single.duration * single.impulse -
                   reduced_mass * (speed * single.duration - (1 - e * e) * y_max);
+  single.peak = stiffness * y_max * std::sqrt(y_max);
   return single;
 }
 

@@ -14,6 +14,7 @@ struct SingleImpact {
   double impulse;   // P [N s]
   double duration;  // W [s]
   double moment;    // M about the onset [N s²]
+  double peak;      // K y_max^(3/2) [N]
 };
 SingleImpact SolveSingleImpact(double reduced_mass, double speed, double stiffness,
                                double restitution);

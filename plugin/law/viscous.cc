@@ -125,6 +125,9 @@ void Integrator::Accept(double h) {
     if (dP != 0 && lanes_.impulse[i] == 0) solution_.onset[lanes_.contact(i)] = t_;
     lanes_.impulse[i] += dP;
     lanes_.moment[i] += dM;
+    if (!solution_.peak) continue;
+    double& peak = solution_.peak[lanes_.contact(i)];
+    for (int j = 1; j < kStages; ++j) peak = std::max(peak, force_[j][i]);
   }
   std::swap(lanes_.y, y_new_);
   std::swap(lanes_.c, c_new_);

@@ -4,9 +4,9 @@ Layout of the state of one instance, from `model.plugin_stateadr[instance]` on:
 a header (layout version, number of pulses begun since reset, offset of the slot
 table, numbers per slot, number of slots, clock: seconds stepped since reset), then the
 slots. A slot holds the serial number of its pulse (0: never used), the two geoms, the
-onset on that clock [s], the normal impulse [N s], alpha, the duration [s] and the
-restitution; the rest of it is private to the plugin. A finished pulse stays in its slot
-until that is needed again.
+onset on that clock [s], the normal impulse [N s], alpha, the duration [s], the
+restitution and the largest force [N]; the rest of it is private to the plugin. A
+finished pulse stays in its slot until that is needed again.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ from mujoco_impact.trajectory import Array, Impact
 LAYOUT_VERSION = 3.0
 
 _COUNT, _TABLE, _SLOT_SIZE, _SLOTS, _CLOCK = 1, 2, 3, 4, 5
-_SERIAL, _GEOM1, _GEOM2, _ONSET, _IMPULSE, _ALPHA, _DURATION, _RESTITUTION = range(8)
+_SERIAL, _GEOM1, _GEOM2, _ONSET, _IMPULSE, _ALPHA, _DURATION = range(7)
+_RESTITUTION, _PEAK = 7, 8
 
 _PROBE = f"""
 <mujoco>
@@ -91,6 +92,7 @@ class PulseReader:
             height=math.pi * impulse / (2.0 * duration) if duration else math.inf,
             duration=duration,
             restitution=float(slot[_RESTITUTION]),
+            peak=float(slot[_PEAK]),
         )
 
 

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import mujoco
 
-from mujoco_impact import law
 from mujoco_impact._plugin import PLUGIN_NAME
 from mujoco_impact.blind_sensors import warn_of_blind_sensors
 from mujoco_impact.errors import ConfigError, SceneError
@@ -22,20 +21,17 @@ from mujoco_impact.ownership import (
     smallest_size,
 )
 from mujoco_impact.scene_checks import check_name, check_options, check_owned
-from mujoco_impact.settings import (
-    DEFAULT_POISSON,
-    DEFAULT_YOUNG,
-    Setting,
-    attributes,
-)
+from mujoco_impact.settings import Setting, attributes
 from mujoco_impact.source import Source, read_spec
 from mujoco_impact.specifications import compile_spec, copy_spec
 
-SMALLEST_DEPTH = 0.01
-"""Default depth over half-width when pulses last no longer than a Hertz contact."""
+DEPTH = 1e-6
+"""Default depth where pulses come at once [m]: less than a body at rest sinks into
+MuJoCo's contact anyway, and more than the rounding of positions."""
 
-LARGEST_DEPTH = 0.5
-"""Bound of the default depth over half-width: half-way to the centre."""
+SMALLEST_OF_LONG, LARGEST = 0.01, 0.5
+"""Bounds of the default depth of longer pulses over half-width: the largest is
+half-way to the centre."""
 
 PAPER_DURATION = 10e-3
 """Duration of a pulse [s] that the default depth allows for if duration="paper"."""
@@ -72,11 +68,12 @@ def attach(
         speed: Closing speed of the fastest impact expected [m/s], instead of `gap`: the
             gap is then what that makes in a step, and a quarter more, if the default
             is smaller.
-        depth: Overlap at which MuJoCo's own contact takes over [m]: a resting geom
-            sinks that deep. Impacts stay within half of it: pulses that would not are
-            shortened. Default: 1 % of half of the width of the smallest owned
-            geom; if `duration` is longer than a Hertz contact, what bodies overlap
-            during a pulse, but not more than 50 %. Doubles between two owned geoms.
+        depth: Overlap at which MuJoCo's own contact takes over where no pulse presses
+            [m]: a resting geom sinks that much deeper than without the plugin.
+            Default: 1e-6 m, under Runge-Kutta what a body that fell through the whole
+            scene travels in half a step. If `duration` is longer than a Hertz contact,
+            what bodies overlap during a pulse, but 1 to 50 % of half of the width of
+            the smallest owned geom. Doubles between two owned geoms.
         **settings: Settings of the impact law, see `mujoco_impact.settings.SETTINGS`;
             for example `restitution=0.9`, `young=210e9`, `duration="paper"`.
 
@@ -190,37 +187,17 @@ def _default_depth(
     u W / 2, half of what two geoms of this depth leave; u is taken as that of a fall
     through the scene. Runge-Kutta
     spreads every impact over the step h, and looks at positions in its middle at which
-    bodies overlap by up to u h / 2. An impact that passes through a row is delivered in
-    the step in which it begins, each ball placed on the path that it will have; those
-    that the impact has yet to reach overlap by u times the time it still takes.
+    bodies overlap by up to u h / 2.
     """
-    size = smallest_size(model, owned)
-    overlap = fall_speed(model) * _pulse_duration(config) / 2
-    overlap += fall_speed(model) * _passage(model, owned, config)
-    if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
-        overlap += fall_speed(model) * float(model.opt.timestep) / 2
-    return round_up(min(max(overlap, SMALLEST_DEPTH * size), LARGEST_DEPTH * size))
-
-
-def _passage(
-    model: mujoco.MjModel, owned: Sequence[str], config: Mapping[str, str]
-) -> float:
-    """Returns how long an impact takes to pass through all owned geoms in a row [s].
-
-    Each contact adds half of its contact time to the passage (Lovett, Moulding and
-    Anketell-Jones 1988); taken at the speed of a fall through the scene.
-    """
-    bodies = [int(model.geom(name).bodyid[0]) for name in owned]
-    mass = min((float(model.body_mass[body]) for body in bodies), default=0.0)
     speed = fall_speed(model)
-    if mass <= 0.0 or speed <= 0.0:
-        return 0.0
-    young = float(config.get("young", DEFAULT_YOUNG))
-    poisson = float(config.get("poisson", DEFAULT_POISSON))
-    stiffness = law.hertz_stiffness(
-        law.effective_modulus(young, poisson), 2.0 / smallest_size(model, owned)
-    )
-    return len(owned) / 2 * law.contact_time(stiffness, mass / 2, speed)
+    duration = _pulse_duration(config)
+    stage = 0.0
+    if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
+        stage = speed * float(model.opt.timestep) / 2
+    size = smallest_size(model, owned)
+    overlap = speed * duration / 2 + stage
+    smallest = SMALLEST_OF_LONG * size if duration else DEPTH
+    return round_up(min(max(overlap, smallest), LARGEST * size))
 
 
 def _pulse_duration(config: Mapping[str, str]) -> float:

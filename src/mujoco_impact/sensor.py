@@ -1,10 +1,16 @@
 """Reading the plugin's sensor: what impacts do to each owned geom.
 
-Seven numbers per owned geom, in the order of the tuple: force in the world frame,
-averaged over the step (3) [N]; impulse of the current or last impact [N s]; its peak
-force [N]; its alpha [-]; impacts since reset. All but the force stay until the next
-impact, so they survive a controller that looks only every so many steps. As for every
-MuJoCo sensor, the values after `mj_step` are of the state that the step started from.
+Eleven numbers per owned geom, in the order of the tuple: force in the world frame,
+averaged over the step (3) [N]; impulse of the current or last impact [N s]; its largest
+force [N]; its alpha [-]; and since reset the impacts, the impulse in the world frame
+(3) [N s], and the largest force [N]. An impact is with one other geom: points that
+begin in the same step, such as the corners of a box that lands on a face, are one, and
+their numbers are added.
+
+All but the force stay, so a controller that looks only every so many steps misses
+nothing: the difference of two readings of `total` is the impulse between them, and
+that of `count` the impacts. As for every MuJoCo sensor, the values after `mj_step` are
+of the state that the step started from, with the impacts of the step.
 """
 
 from __future__ import annotations
@@ -17,7 +23,7 @@ import mujoco
 from mujoco_impact.errors import SceneError
 from mujoco_impact.trajectory import Array
 
-NUMBERS_PER_GEOM = 7
+NUMBERS_PER_GEOM = 11
 
 IMPULSE = 3
 """Place of the impulse among the numbers of a geom."""
@@ -30,9 +36,12 @@ class SensorReading:
     Attributes:
         force: Force on the geom, world frame [N], shape (n, 3).
         impulse: Impulse of its current or last impact [N s], shape (n,).
-        peak: Peak force of that impact [N], shape (n,).
+        peak: Largest force of that impact [N], shape (n,): of the Hertz contacts, or
+            of the waveforms if they have another duration.
         alpha: Its alpha [-], shape (n,).
         count: Impacts since reset, shape (n,).
+        total: Impulse since reset, world frame [N s], shape (n, 3).
+        largest: Largest peak since reset [N], shape (n,).
     """
 
     force: Array
@@ -40,10 +49,12 @@ class SensorReading:
     peak: Array
     alpha: Array
     count: Array
+    total: Array
+    largest: Array
 
 
 def read_sensor(values: Array) -> SensorReading:
-    """Returns the reading in the numbers of one sensor, shape (7 n,) or (n, 7)."""
+    """Returns the reading in the numbers of a sensor, shape (11 n,) or (n, 11)."""
     table = values.reshape(-1, NUMBERS_PER_GEOM)
     return SensorReading(
         force=table[:, :3].copy(),
@@ -51,6 +62,8 @@ def read_sensor(values: Array) -> SensorReading:
         peak=table[:, 4].copy(),
         alpha=table[:, 5].copy(),
         count=table[:, 6].copy(),
+        total=table[:, 7:10].copy(),
+        largest=table[:, 10].copy(),
     )
 
 

@@ -89,7 +89,7 @@ def impact_table(impacts: Sequence[Impact], *, limit: int) -> Table:
     table = Table(title=f"impacts: {len(impacts)}", box=None)
     table.add_column("time [s]", justify="right")
     table.add_column("geoms")
-    for heading in ("impulse [N s]", "alpha", "height [N]", "duration [ms]"):
+    for heading in ("impulse [N s]", "alpha", "peak [N]", "duration [ms]"):
         table.add_column(heading, justify="right")
     for impact in impacts[:limit]:
         table.add_row(
@@ -97,7 +97,7 @@ def impact_table(impacts: Sequence[Impact], *, limit: int) -> Table:
             " - ".join(impact.geoms),
             f"{impact.impulse:.5g}",
             f"{impact.alpha:.4f}",
-            f"{impact.height:.4g}",
+            f"{impact.peak:.4g}",
             f"{impact.duration * 1e3:.4g}",
         )
     return table

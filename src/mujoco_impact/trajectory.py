@@ -66,6 +66,8 @@ class Impact:
         height: Peak force of the waveform, H = pi P / (2 W) [N].
         duration: Duration of the waveform, W [s].
         restitution: Expansion impulse over compression impulse [-].
+        peak: Largest force of the contact [N]: that of the Hertz contact (1.17 H for a
+            single one), or H if pulses last as long as a setting says.
     """
 
     time: float
@@ -75,9 +77,18 @@ class Impact:
     height: float
     duration: float
     restitution: float
+    peak: float
 
 
-_IMPACT_NUMBERS = ("time", "impulse", "alpha", "height", "duration", "restitution")
+_IMPACT_NUMBERS = (
+    "time",
+    "impulse",
+    "alpha",
+    "height",
+    "duration",
+    "restitution",
+    "peak",
+)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

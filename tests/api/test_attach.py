@@ -130,6 +130,24 @@ def test_default_gap_covers_a_fall_through_the_scene() -> None:
     assert needed <= margin + gap <= 1.01 * needed
 
 
+@pytest.mark.parametrize("count", [1, 50])
+def test_the_default_depth_does_not_depend_on_the_scene(count: int) -> None:
+    """Pulses that come at once need no room: a micrometre, however many geoms."""
+    balls = "".join(
+        f'<body pos="{i} 0 .5"><freejoint/><geom name="b{i}" size=".02"/></body>'
+        for i in range(count)
+    )
+    spec = attach(f"<mujoco><worldbody>{balls}</worldbody></mujoco>")
+    assert all(geom.margin == -1e-6 for geom in spec.geoms)
+
+
+def test_runge_kutta_gets_the_depth_of_its_stages() -> None:
+    """In the middle of a step no impact has happened yet: u h / 2, u of a fall."""
+    head = '<option timestep="0.002" integrator="RK4"/><statistic extent="2"/>'
+    margin, _ = margins(attach(free_ball(head=head)).compile(), "ball")
+    assert -margin == pytest.approx(np.sqrt(2 * 9.81 * 2.0) * 0.001, rel=0.01)
+
+
 def test_long_pulses_get_a_larger_depth() -> None:
     """During a pulse of milliseconds the bodies overlap much more."""
     short = margins(attach(free_ball()).compile(), "ball")[0]

@@ -98,6 +98,72 @@ def test_a_light_ball_is_not_thrown_through_its_neighbours(light):
     assert energy == pytest.approx(0.5 * MASS * 0.1**2, rel=1e-9)
 
 
+@pytest.mark.parametrize("young", [2e11, 1e7])
+@pytest.mark.parametrize("restitution", [1.0, 0.9, 0.5, 0.0])
+def test_what_an_impact_does_does_not_depend_on_the_depth(restitution, young):
+    """Not how long it lasts either: 1 µm is less than steel is pressed, or dented."""
+    options = {"restitution": restitution, "young": young, "timestep": 2e-3, "steps": 8}
+    deep = shot([MASS] * 4, 0.5, depth=1e-4, **options)
+    flat = shot([MASS] * 4, 0.5, depth=1e-6, **options)
+    assert not flat[3]  # pushes
+    # the impulses are the law's to the bit; the rest is rounding of other positions
+    np.testing.assert_allclose(flat[0], deep[0], rtol=0, atol=1e-12)
+    for one, other in zip(flat[2], deep[2], strict=True):
+        assert one.impulse == pytest.approx(other.impulse, rel=1e-9)
+        assert one.duration == pytest.approx(other.duration, rel=1e-6)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_a_contact_in_which_a_pulse_presses_is_ours_however_deep(integrator):
+    """Deeper than the depth MuJoCo has rows for it; they must not push."""
+    velocity, deepest, impacts, pushes = shot(
+        [MASS, MASS], 0.1, duration=5e-3, depth=1e-6, integrator=integrator
+    )
+    assert not pushes
+    assert deepest > 1e-4
+    assert impacts[0].duration == 5e-3
+    np.testing.assert_allclose(velocity, [0, 0.1], atol=1e-12)
+
+
+@pytest.mark.parametrize("restitution", [0.9, 0.0])
+def test_dents_are_not_left_to_mujocos_contact(restitution):
+    """A row that lost energy lies closed, pressed by less than the depth."""
+    velocity, deepest, _, pushes = shot(
+        [MASS] * 5, 0.5, timestep=2e-3, restitution=restitution, depth=1e-6, steps=3
+    )
+    assert not pushes
+    assert deepest <= 2e-6
+    # all the momentum is still there
+    assert velocity.sum() == pytest.approx(0.5, rel=1e-12)
+
+
+def test_a_ball_that_a_pulse_throws_at_another_strikes_it_in_the_same_step():
+    """When the step begins they part; what closes them comes within it."""
+    h, pulse, speeds, gap = 1e-3, 1.2e-3, (1.0, 0.0, 0.2), 1e-5
+    onset = 0.7 * h
+    xs = [-2 * RADIUS - speeds[0] * onset, 0, 2 * RADIUS + gap]
+    balls = "".join(
+        f'<body pos="{x!r} 0 0"><joint/><geom size="{RADIUS}" mass="{MASS}"/></body>'
+        for x in xs
+    )
+    xml = SCENE.format(balls=balls, timestep=h, integrator="Euler")
+    # stiff, or the law would take both impacts for one
+    model = mujoco_impact.attach(
+        xml, depth=DEPTH, gap=0.01, duration=pulse, young=1e14
+    ).compile()
+    data = mujoco.MjData(model)
+    data.qvel[:] = speeds
+    reader = PulseReader(model, data)
+    for _ in range(2):
+        mujoco.mj_step(model, data)
+        reader.poll()
+    # the contact that closed is not left to the step after
+    first, second = reader.impacts
+    assert first.time == pytest.approx(onset, rel=1e-9)
+    # .15 m/s after the first step, when the third is .2 mm ahead with .2 m/s
+    assert 1.5 * h < second.time < 2 * h
+
+
 def test_short_fixed_pulses_are_resolved_one_after_the_other():
     """A pulse of a hundredth of a step: several impacts in one step, with gaps."""
     velocity, _, impacts, pushes = shot(

@@ -25,7 +25,8 @@ print(abs(data.qvel[-1]) > 0.1)
 
 
 def last_ball_flies(memory, folder):
-    xml = mujoco_impact.attach(cradle_models.row("A" * BALLS)).to_xml()
+    # a depth within which the impacts can wait: deeper they are MuJoCo's
+    xml = mujoco_impact.attach(cradle_models.row("A" * BALLS), depth=5e-3).to_xml()
     scene = folder / "scene.xml"
     scene.write_text(xml.replace("<size ", f'<size memory="{memory}" ', 1))
     # in a process of its own, for MuJoCo ends it when its stack overflows

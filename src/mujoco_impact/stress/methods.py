@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 
 from mujoco_impact.baselines import damper
-from mujoco_impact.scene import attach
+from mujoco_impact.scene import DEPTH, attach
 from mujoco_impact.stress.case import Case
 from mujoco_impact.stress.layouts import Balls
 
@@ -24,7 +24,7 @@ FASTEST = 2.5
 """Fastest ball after an impact over the first closing speed: 2 for a light one."""
 
 LEAST_DEPTH, MOST_DEPTH = 0.01, 0.5
-"""Depth of the owned geoms over the smallest radius, as `attach` bounds it."""
+"""Depth of the owned geoms over the smallest radius, where it is not the default."""
 
 
 def model_of(
@@ -48,9 +48,11 @@ def model_of(
 def depth_of(case: Case, balls: Balls) -> float:
     """Returns the depth that a user would give the scene [m].
 
-    What balls overlap during a pulse, within the bounds of `attach`; deeper overlaps
-    are MuJoCo's.
+    The default where pulses come at once, unless balls overlap at the start; otherwise
+    what they overlap during a pulse, within bounds. Deeper overlaps are MuJoCo's.
     """
+    if case.duration is None and case.integrator != "RK4" and case.overlap == 0:
+        return DEPTH
     radius = float(balls.radius.min())
     # two geoms add their depths
     wanted = case.pulse_overlap * FASTEST / 2
