@@ -26,7 +26,7 @@ constexpr mjtNum kShift = 1e-2;
 // What counts as one touch along a line or a face, over the size of the smaller geom: the gap at
 // the points of it and their distance from each other, and by which angle the geoms are tilted to
 // find them [rad].
-constexpr mjtNum kTouching = 1e-3, kSameGap = 1e-5, kApart = 1e-2, kTilt = 1e-3;
+constexpr mjtNum kTouching = 1e-3, kSameGap = 1e-5, kApart = 1e-2, kTilt = 1e-5;
 
 // Whether the pair has no function of its own.
 bool IsGeneral(const mjModel* m, const mjContact& contact) {
@@ -120,29 +120,52 @@ class TurnedGeom {
   mjtNum old_position_[3], old_rotation_[9];
 };
 
-// Adds the point that is touched first if the second geom is tilted by `angle` about the first
-// point, if it is another one and touches as much when the geom is turned back.
-int AddTilted(const mjModel* m, mjData* d, const mjContact& like, const Vector3& angle,
-              mjtNum margin, mjtNum size, mjContact points[kMostPoints], int count) {
-  const Vector3 first = Load(points[0].pos), normal = Load(points[0].frame);
+// Adds the point that is touched first if the second geom is tilted by `angle` about the point
+// `known`, if it touches as much when the geom is turned back.
+int AddEnd(const mjModel* m, mjData* d, const mjContact& known, const Vector3& angle, mjtNum margin,
+           mjtNum size, mjContact* ends, int count) {
+  const Vector3 first = Load(known.pos), normal = Load(known.frame);
   mjContact tilted[kMostPoints];
   {
-    const TurnedGeom turned(d, like.geom[1], first, angle);
+    const TurnedGeom turned(d, known.geom[1], first, angle);
     // tilted into each other they overlap by the angle times their size
-    if (Ask(m, d, like, margin + kTilt * size, tilted) < 1) return count;
+    if (Ask(m, d, known, margin + kTilt * size, tilted) < 1) return count;
   }
   mjContact& point = tilted[0];
   const Vector3 place = Load(point.pos);
   // turned back, the side of the second geom moves by −angle × arm
   const mjtNum gap = point.dist - Dot(normal, Cross(angle, place - first));
-  if (std::abs(gap - points[0].dist) > kSameGap * size) return count;
+  if (std::abs(gap - known.dist) > kSameGap * size) return count;
   for (int i = 0; i < count; ++i) {
-    if (Norm(place - Load(points[i].pos)) < kApart * size) return count;
+    if (Norm(place - Load(ends[i].pos)) < kApart * size) return count;
   }
-  points[count] = points[0];
-  points[count].dist = gap;
-  Store(place + Dot(normal, first - place) * normal, points[count].pos);
+  ends[count] = known;
+  ends[count].dist = gap;
+  Store(place + Dot(normal, first - place) * normal, ends[count].pos);
   return count + 1;
+}
+
+// Copies the two points that are farthest from each other, and those that are not on the line
+// between them: what lies between is carried by the ends. Returns their number.
+int KeepOuter(const mjContact* ends, int number, mjtNum apart, mjContact* points) {
+  int first = 0, second = 1;
+  const auto between = [ends](int i, int j) { return Load(ends[j].pos) - Load(ends[i].pos); };
+  for (int i = 0; i < number; ++i) {
+    for (int j = i + 1; j < number; ++j) {
+      if (Norm(between(i, j)) <= Norm(between(first, second))) continue;
+      first = i;
+      second = j;
+    }
+  }
+  points[0] = ends[first];
+  points[1] = ends[second];
+  const Vector3 line = UnitOr(between(first, second), {});
+  int count = 2;
+  for (int i = 0; i < number; ++i) {
+    if (i == first || i == second || Norm(Cross(line, between(first, i))) < apart) continue;
+    points[count++] = ends[i];
+  }
+  return count;
 }
 
 }  // namespace
@@ -184,12 +207,15 @@ int FindPoints(const mjModel* model, mjData* d, const mjContact& like, mjtNum ma
   const Vector3 normal = Load(points[0].frame);
   const Vector3 across =
       UnitOr(Cross(normal, std::abs(normal.x) < 0.5 ? Vector3{1, 0, 0} : Vector3{0, 1, 0}), normal);
+  mjContact ends[4];
+  int number = 0;
   for (const Vector3& axis : {across, Cross(normal, across)}) {
     for (const mjtNum angle : {kTilt, -kTilt}) {
-      count = AddTilted(m, d, like, angle * axis, margin, size, points, count);
+      number = AddEnd(m, d, points[0], angle * axis, margin, size, ends, number);
     }
   }
-  return count;
+  if (number < 2) return count;
+  return KeepOuter(ends, number, kApart * size, points);
 }
 
 }  // namespace mujoco_impact::engine

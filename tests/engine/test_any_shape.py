@@ -91,9 +91,15 @@ def test_momentum_of_a_body_whose_centre_is_not_at_its_joint_is_kept(integrator)
         throw(data, seed, spin=30.0)
         for impact in impacts_of(model, free, data, 60):
             lost = impact.after.momentum - impact.without.momentum
-            assert np.linalg.norm(lost) < 1e-9 * 3.0 * model.body_mass[2]
+            by_flight = impact.without.momentum - impact.before.momentum
+            # exact under RK4; others predict the velocity of now from that of half a
+            # step ago, to as much as they change in free flight
+            bound = 1e-9 * 3.0 * model.body_mass[2] + 2 * np.linalg.norm(by_flight)
+            assert np.linalg.norm(lost) < bound
             change = impact.after.kinetic - impact.without.kinetic
-            assert abs(change) < 1e-6 * impact.before.kinetic
+            # (h w)^2 is 4e-3 before the impact
+            part = 1e-6 if integrator == "RK4" else 1e-3
+            assert abs(change) < part * impact.before.kinetic
             seen += 1
     assert seen > 10
 
