@@ -175,11 +175,11 @@ bool Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
   }
   IslandSystem system =
       BuildIsland(m_, d_, mobility_, contacts_, position, count, outlook.motion, time.tau, scratch);
-  mjtNum* velocity = SettledVelocity(m_, outlook, time.tau, scratch);
-  const mjtNum delay = ImpulseDelay(m_, config_, system, time.first, velocity);
-  mju_addToScl(velocity, steady_, delay, m_->nv);
+  const mjtNum* velocity = SettledVelocity(m_, outlook, time.tau, scratch);
+  mjtNum* acceleration = scratch.Take<mjtNum>(m_->nv);
+  mju_addScl(acceleration, steady_, start_.motion.jerk, outlook.start + time.tau, m_->nv);
   Impact* impacts = scratch.Take<Impact>(count);
-  ResolveIsland(m_, config_, ownership_, system, time, velocity, impacts, scratch);
+  ResolveIsland(m_, config_, ownership_, system, time, velocity, acceleration, impacts, scratch);
   if (config_.friction) {
     AddFriction(m_, d_, config_, outlook.motion, time.tau, velocity, system, impacts, scratch);
   }

@@ -28,9 +28,19 @@ mjtNum RoomWithin(const ContactRow& row, mjtNum depth) {
 
 mjtNum DepthOf(const ContactRow& row) { return -row.contact->includemargin; }
 
+// 1/(1/R₁ + 1/R₂), and for corners and edges, which are sharper than their bodies are large, half
+// of the size of the smaller geom.
+mjtNum RadiusOf(const mjModel* m, const ContactRow& row) {
+  mjtNum size = mjMAXVAL;
+  for (const int geom : row.contact->geom) {
+    if (m->geom_rbound[geom] > 0) size = std::min(size, m->geom_rbound[geom]);
+  }
+  return size < mjMAXVAL ? std::max(1 / row.curvature, 0.5 * size) : 1 / row.curvature;
+}
+
 // While an impact lasts.
-mjtNum RoomOf(const ContactRow& row) {
-  return RoomWithin(row, std::max(DepthOf(row), kTouching / row.curvature));
+mjtNum RoomOf(const mjModel* m, const ContactRow& row) {
+  return RoomWithin(row, std::max(DepthOf(row), kTouching * RadiusOf(m, row)));
 }
 
 // ∫∫ F_k of the waveform by time t.
@@ -42,7 +52,7 @@ mjtNum TwiceIntegrated(const IslandProblem& problem, int k, mjtNum t, mjtNum res
 }
 
 // λ at time t, `integral` ∫∫ F_k by then.
-mjtNum LessAt(const IslandSystem& system, const IslandProblem& problem, mjtNum t,
+mjtNum LessAt(const mjModel* m, const IslandSystem& system, const IslandProblem& problem, mjtNum t,
               const mjtNum* integral) {
   mjtNum* displacement = problem.work.numbers + problem.size;
   law::Multiply(system.delassus, integral, displacement);
@@ -51,19 +61,20 @@ mjtNum LessAt(const IslandSystem& system, const IslandProblem& problem, mjtNum t
     if (problem.impulse[k] <= 0) continue;
     // y = c t − g − W ∫∫ F
     const mjtNum overlap = problem.closing_speed[k] * t - problem.gap[k] - displacement[k];
-    const mjtNum room = RoomOf(system.row[k]);
+    const mjtNum room = RoomOf(m, system.row[k]);
     if (overlap > room) less = std::min(less, room / overlap);
   }
   return less;
 }
 
 // λ at time t, all impulses delivered with their moments.
-mjtNum LessOfMoments(const IslandSystem& system, const IslandProblem& problem, mjtNum t) {
+mjtNum LessOfMoments(const mjModel* m, const IslandSystem& system, const IslandProblem& problem,
+                     mjtNum t) {
   mjtNum* integral = problem.work.numbers;
   for (int k = 0; k < problem.size; ++k) {
     integral[k] = problem.impulse[k] * t - problem.moment[k];
   }
-  return LessAt(system, problem, t, integral);
+  return LessAt(m, system, problem, t, integral);
 }
 
 }  // namespace
@@ -91,7 +102,8 @@ mjtNum CompressLess(const IslandSystem& system, const IslandProblem& problem) {
   return less;
 }
 
-mjtNum OverlapLess(const Config& config, const IslandSystem& system, const IslandProblem& problem) {
+mjtNum OverlapLess(const mjModel* m, const Config& config, const IslandSystem& system,
+                   const IslandProblem& problem) {
   constexpr int kSamples = 8;
   const mjtNum end = EndOf(problem);
   mjtNum* integral = problem.work.numbers;
@@ -101,7 +113,7 @@ mjtNum OverlapLess(const Config& config, const IslandSystem& system, const Islan
     for (int k = 0; k < problem.size; ++k) {
       integral[k] = TwiceIntegrated(problem, k, t, config.waveform_restitution);
     }
-    less = std::min(less, LessAt(system, problem, t, integral));
+    less = std::min(less, LessAt(m, system, problem, t, integral));
   }
   return less;
 }
@@ -144,8 +156,9 @@ void PressOutDents(const IslandSystem& system, IslandProblem& problem, mjtNum t)
   }
 }
 
-bool MayComeAtOnce(const IslandSystem& system, const IslandProblem& problem, mjtNum time) {
-  return LessOfMoments(system, problem, time) >= 1;
+bool MayComeAtOnce(const mjModel* m, const IslandSystem& system, const IslandProblem& problem,
+                   mjtNum time) {
+  return LessOfMoments(m, system, problem, time) >= 1;
 }
 
 }  // namespace mujoco_impact::engine

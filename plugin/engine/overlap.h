@@ -30,7 +30,8 @@ mjtNum TurnLess(const IslandSystem& system, const IslandProblem& problem);
 // For overlaps while the pulses last, y(t) = c t − g − W ∫∫ F of their waveforms. Two waveforms
 // that press a light body from both sides are not the forces of the contacts, which would follow
 // it.
-mjtNum OverlapLess(const Config& config, const IslandSystem& system, const IslandProblem& problem);
+mjtNum OverlapLess(const mjModel* m, const Config& config, const IslandSystem& system,
+                   const IslandProblem& problem);
 
 // Takes out of the moments what contacts that lost energy are left pressed at time t, for they do
 // not expand as far as they were pressed: within half of M, so that they are not MuJoCo's then.
@@ -39,7 +40,8 @@ void PressOutDents(const IslandSystem& system, IslandProblem& problem, mjtNum t)
 
 // Whether bodies overlap no deeper than that after the `time` left of the step if all impulses are
 // delivered in it: each body is then put on the path that it will have when the impact is over.
-bool MayComeAtOnce(const IslandSystem& system, const IslandProblem& problem, mjtNum time);
+bool MayComeAtOnce(const mjModel* m, const IslandSystem& system, const IslandProblem& problem,
+                   mjtNum time);
 
 }  // namespace mujoco_impact::engine
 

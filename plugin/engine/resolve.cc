@@ -10,7 +10,6 @@
 #include "law/hertz_contact.h"
 #include "law/impact_law.h"
 #include "law/passivity.h"
-#include "law/single_impact.h"
 #include "law/waveform.h"
 
 namespace mujoco_impact::engine {
@@ -95,12 +94,12 @@ bool AreShorter(const IslandProblem& problem, mjtNum time) {
 
 // Gives all contacts one pulse of the duration W, or as much shorter as their depth asks for.
 // Returns whether the impulses come at once.
-bool SetCommonPulse(const Config& config, const IslandSystem& system, const ImpactTime& time,
-                    mjtNum duration, IslandProblem& problem) {
+bool SetCommonPulse(const mjModel* m, const Config& config, const IslandSystem& system,
+                    const ImpactTime& time, mjtNum duration, IslandProblem& problem) {
   std::fill_n(problem.onset, problem.size, 0);
   std::fill_n(problem.peak, problem.size, 0);
   std::fill_n(problem.duration, problem.size, duration);
-  const mjtNum less = std::min(OverlapLess(config, system, problem), TurnLess(system, problem));
+  const mjtNum less = std::min(OverlapLess(m, config, system, problem), TurnLess(system, problem));
   mju_scl(problem.duration, problem.duration, less, problem.size);
   const mjtNum centre = law::WaveformMoment(1, config.waveform_restitution);
   for (int k = 0; k < problem.size; ++k) {
@@ -124,8 +123,9 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
       if (config.restitution < 1) {
         PressOutDents(system, problem, std::max(EndOf(problem), time.left()));
       }
-      at_once = AreShorter(problem, time.timestep);
-      if (!at_once) less = OverlapLess(config, system, problem);
+      at_once =
+          AreShorter(problem, time.timestep) && MayComeAtOnce(m, system, problem, time.left());
+      if (!at_once) less = OverlapLess(m, config, system, problem);
     }
     if (less >= 1) return at_once;
     // an impact that does not end is none of stiffness
@@ -135,25 +135,28 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
     mju_scl(problem.stiffness, problem.stiffness, std::pow(less, -2.5), problem.size);
     time.flight *= less;
   }
-  return SetCommonPulse(config, system, time, EndOf(problem), problem);
+  return SetCommonPulse(m, config, system, time, EndOf(problem), problem);
 }
 
-// Whether the first degree of freedom of the tree is a translation of all of it, so that its body
-// flies along a straight line but for the forces on it.
-bool FliesStraight(const mjModel* m, int tree) {
-  if (tree < 0) return true;
-  const int type = m->jnt_type[m->dof_jntid[m->tree_dofadr[tree]]];
-  return m->tree_bodynum[tree] == 1 && (type == mjJNT_FREE || type == mjJNT_SLIDE);
-}
-
-// Whether all contacts are between the same two bodies, and those fly.
-bool IsOneMeeting(const mjModel* m, const IslandSystem& system) {
-  const RowSegment* first = system.row[0].segment;
-  const auto same = [first](const ContactRow& row) {
-    return row.segment[0].tree == first[0].tree && row.segment[1].tree == first[1].tree;
-  };
-  return FliesStraight(m, first[0].tree) && FliesStraight(m, first[1].tree) &&
-         std::all_of(system.row, system.row + system.size, same);
+// Gravity goes on while bodies touch, and the impulse of a contact does its work at the speed that
+// they have when it comes, at t_k = M_k / P_k on the average. All impulses are scaled by
+//
+//   Σ (c_k + a_k t_k) P_k / Σ c_k P_k,   a_k the rate of c_k by forces other than the impulses
+//
+// with which a single contact gives back e² of what it took and an elastic impact keeps the energy.
+void CountForcesMeanwhile(const mjModel* m, const IslandSystem& system, const mjtNum* acceleration,
+                          IslandProblem& problem) {
+  constexpr mjtNum kMost = 0.1;  // beyond, bodies are pressed and not struck
+  mjtNum work = 0, meanwhile = 0;
+  for (int k = 0; k < problem.size; ++k) {
+    if (problem.impulse[k] <= 0) continue;
+    work += problem.closing_speed[k] * problem.impulse[k];
+    meanwhile -= RowTimes(m, system.row[k], acceleration) * problem.moment[k];
+  }
+  if (std::abs(meanwhile) > kMost * work) return;
+  for (mjtNum* numbers : {problem.impulse, problem.moment, problem.peak}) {
+    mju_scl(numbers, numbers, 1 + meanwhile / work, problem.size);
+  }
 }
 
 // −ΔT over the sum of impulses.
@@ -181,20 +184,9 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
   return 1 / inverse_mass;
 }
 
-mjtNum ImpulseDelay(const mjModel* m, const Config& config, const IslandSystem& system, int k,
-                    const mjtNum* velocity) {
-  if (!InstantRule(config) || !IsOneMeeting(m, system)) return 0;
-  const mjtNum speed = -RowTimes(m, system.row[k], velocity);
-  if (speed <= 0) return 0;
-  const mjtNum stiffness = law::HertzStiffness(config.effective_modulus, system.row[k].curvature);
-  const law::SingleImpact single =
-      law::SolveSingleImpact(1 / system.delassus.diagonal[k], speed, stiffness, config.restitution);
-  return std::min(single.moment / single.impulse, m->opt.timestep);
-}
-
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   Impact* impacts, Scratch& scratch) {
+                   const mjtNum* acceleration, Impact* impacts, Scratch& scratch) {
   IslandProblem problem = MakeProblem(m, config, system, velocity, scratch);
   const int first = time.first;
   const mjtNum speed = problem.closing_speed[first];
@@ -210,6 +202,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   bool at_once = false;
   if (config.law == Law::kHertz) {
     at_once = SolveWithinDepth(m, config, system, time, problem);
+    if (at_once) CountForcesMeanwhile(m, system, acceleration, problem);
     // α_k = P_k / P_ref, P_ref = (1 + e) μ u of the contact that closes first
     mju_scl(alpha, problem.impulse, 1 / ((1 + e) * reduced_mass * speed), system.size);
   } else {
@@ -224,7 +217,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
     } else if (config.duration_rule == DurationRule::kHertz) {
       W = (1 + e) / 2 * law::ContactTime(problem.stiffness[first], reduced_mass, speed);
     }
-    at_once = SetCommonPulse(config, system, time, W, problem);
+    at_once = SetCommonPulse(m, config, system, time, W, problem);
   }
   const mjtNum tau = time.start + time.tau;
   const mjtNum loss = LossPerImpulse(system, problem);

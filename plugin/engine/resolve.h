@@ -42,18 +42,11 @@ struct ImpactTime {
 // faster, of both together if neither does [kg].
 mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const mjtNum* velocity);
 
-// How long after its onset the impulse of two bodies comes on the average, by their first contact k
-// [s]: gravity goes on meanwhile, and an impulse for the velocities at that time does the work that
-// it should. 0 for pulses whose duration is not that of the contact, where a wave passes through
-// more than two bodies, each contact in its own time, and on hinges, which turn meanwhile.
-mjtNum ImpulseDelay(const mjModel* m, const Config& config, const IslandSystem& system, int k,
-                    const mjtNum* velocity);
-
-// `velocity` is what the bodies have then when all pulses under way have been delivered (nv).
-// `impacts` has room for system.size.
+// `velocity` is what the bodies have at τ when all pulses under way have been delivered (nv).
+// `acceleration` is what other forces give them meanwhile (nv). `impacts` has room for system.size.
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   Impact* impacts, Scratch& scratch);
+                   const mjtNum* acceleration, Impact* impacts, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 
