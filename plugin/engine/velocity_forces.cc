@@ -8,19 +8,23 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-// b of the tree.
-mjtNum IncludedPart(const mjModel* m, int tree) {
+// What the integrator counts, of the linear and the quadratic part.
+struct Counted {
+  mjtNum linear, quadratic;
+};
+
+Counted CountedBy(const mjModel* m, int tree) {
   const bool single = m->tree_bodynum[tree] == 1 && m->tree_dofnum[tree] == 6 &&
                       m->jnt_type[m->dof_jntid[m->tree_dofadr[tree]]] == mjJNT_FREE;
   switch (m->opt.integrator) {
     case mjINT_EULER:
-      return 0;
+      return {0, 0};
     case mjINT_RK4:
-      return 0.5;
+      return {1.0 / 2, 1.0 / 3};
     case mjINT_IMPLICIT:
-      return 1;
+      return {1, 0};
     default:
-      return single ? 1 : 0;
+      return {single ? 1.0 : 0.0, 0};
   }
 }
 
@@ -38,19 +42,30 @@ void AddVelocityForces(const mjModel* m, mjData* d, const RigidFlights& flights,
                        const mjtNum* before, const mjtNum* after, Kicks& kicks, Scratch& scratch) {
   const mjtNum h = m->opt.timestep;
   mjtNum* velocity = scratch.Take<mjtNum>(m->nv);
+  mjtNum* back = scratch.Take<mjtNum>(m->nv);
+  mjtNum* at_before = scratch.Take<mjtNum>(m->nv);
+  mjtNum* at_after = scratch.Take<mjtNum>(m->nv);
+  mjtNum* at_back = scratch.Take<mjtNum>(m->nv);
   mjtNum* change = scratch.Take<mjtNum>(m->nv);
-  mjtNum* bias = scratch.Take<mjtNum>(m->nv);
   mju_copy(velocity, d->qvel, m->nv);
-  BiasAt(m, d, before, bias);
-  BiasAt(m, d, after, change);
-  mju_subFrom(change, bias, m->nv);
+  // v − Δv
+  for (int i = 0; i < m->nv; ++i) back[i] = 2 * before[i] - after[i];
+  BiasAt(m, d, before, at_before);
+  BiasAt(m, d, after, at_after);
+  BiasAt(m, d, back, at_back);
   mju_copy(d->qvel, velocity, m->nv);
   mj_comVel(m, d);
   for (int tree = 0; tree < m->ntree; ++tree) {
     const int begin = m->tree_dofadr[tree], dofs = m->tree_dofnum[tree];
-    if (flights.Has(tree) || mju_isZero(change + begin, dofs)) continue;
+    if (flights.Has(tree)) continue;
+    const Counted counted = CountedBy(m, tree);
     const mjtNum lag = 0.5 - ImpulseLag(m);
-    mju_scl(change + begin, change + begin, -(h - t - (lag + IncludedPart(m, tree)) * h), dofs);
+    for (int i = begin; i < begin + dofs; ++i) {
+      const mjtNum L = 0.5 * (at_after[i] - at_back[i]);
+      const mjtNum Q = 0.5 * (at_after[i] + at_back[i]) - at_before[i];
+      change[i] = h * (counted.linear * L + counted.quadratic * Q) - (h - t - lag * h) * (L + Q);
+    }
+    if (mju_isZero(change + begin, dofs)) continue;
     SolveTreeInertia(m, d, tree, change + begin);
     // it comes all along the rest of the step
     const mjtNum mean = 0.5 * (t + h);

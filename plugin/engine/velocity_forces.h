@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // How gyroscopic, centrifugal and Coriolis forces change when an impact changes velocities.
 //
-// With C = c(q, v⁺) − c(q, v⁻) the change of the velocity-dependent forces c at an impact at time
-// t, the velocities go on changing by −M⁻¹C (h − t) until the end of the step. Those of a
-// semi-implicit integrator are behind their path by half a step (motion.h): a = ½; those of
-// Runge-Kutta are not: a = 0. And the integrators take the impulse for one of the whole step, and
-// count a part b h of C:
+// Such forces are quadratic in the velocities: for a change Δv they change by C = L + Q with
 //
-//   b = 0    Euler; implicitfast and discrete, but for single free bodies
-//   b = ½    RK4
-//   b = 1    implicit; implicitfast and discrete for single free bodies
+//   L = ½ (c(v + Δv) − c(v − Δv)),   Q = ½ (c(v + Δv) + c(v − Δv)) − c(v)
 //
-// so −C (h − t − a h − b h) goes into the impulse of the step. Correct to first order in the angle
-// turned. Bodies that nothing holds are followed exactly instead (rigid_flight.h).
+// After an impact at time t the velocities go on changing by −M⁻¹C (h − t) until the end of the
+// step. Those of a semi-implicit integrator are behind their path by half a step (motion.h): a = ½;
+// those of Runge-Kutta are not: a = 0. And the integrators take the impulse for one of the whole
+// step, and count a part of C on their own:
+//
+//   0                Euler; implicitfast and discrete, but for single free bodies
+//   h (½ L + ⅓ Q)    RK4, whose velocities grow through the step
+//   h L              implicit; implicitfast and discrete for single free bodies
+//
+// so that part − C (h − t − a h) goes into the impulse of the step. Correct to first order in the
+// angle turned. Bodies that nothing holds are followed exactly instead (rigid_flight.h).
 
 #ifndef MUJOCO_IMPACT_ENGINE_VELOCITY_FORCES_H_
 #define MUJOCO_IMPACT_ENGINE_VELOCITY_FORCES_H_
