@@ -100,20 +100,6 @@ bool MayCloseAfterAll(const mjModel* m, mjData* d, const mjContact& contact,
                      [&](const mjContact& point) { return MayClose(m, d, point, mocap, touch); });
 }
 
-// Whether the inertia of the tree stays as it is while its bodies move: one joint, or a free body
-// whose centre does not go around it.
-bool KeepsInertia(const mjModel* m, int tree) {
-  if (tree < 0 || m->tree_dofnum[tree] == 1) return true;
-  const int first = m->tree_dofadr[tree];
-  if (m->tree_dofnum[tree] == 6 && m->jnt_type[m->dof_jntid[first]] == mjJNT_FREE) {
-    return !IsTumbling(m, tree);
-  }
-  for (int dof = first; dof < first + m->tree_dofnum[tree]; ++dof) {
-    if (m->jnt_type[m->dof_jntid[dof]] != mjJNT_SLIDE) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 bool IsOnPath(const mjModel* m, const mjContact& contact) {

@@ -54,7 +54,8 @@ class Resolver {
         struck_(m, d, mobility, scratch),
         start_(LookAhead(m, d, mobility, delivery, state.mocap(), bent_, scratch)),
         flights_(m, d, start_.motion, state.header().active > 0, scratch),
-        steady_(flights_.SteadyAcceleration(start_.motion, scratch)),
+        steady_(WithoutVelocityForces(
+            m, d, flights_, flights_.SteadyAcceleration(start_.motion, scratch), scratch)),
         bodies_(m, d, mobility, start_, flights_, scratch) {}
 
   void Run();

@@ -239,6 +239,18 @@ bool IsTumbling(const mjModel* m, int tree) {
          Norm(Load(m->body_ipos + 3 * body)) > kSame * m->geom_rbound[m->body_geomadr[body]];
 }
 
+bool KeepsInertia(const mjModel* m, int tree) {
+  if (tree < 0 || m->tree_dofnum[tree] == 1) return true;
+  const int first = m->tree_dofadr[tree];
+  if (m->tree_dofnum[tree] == 6 && m->jnt_type[m->dof_jntid[first]] == mjJNT_FREE) {
+    return !IsTumbling(m, tree);
+  }
+  for (int dof = first; dof < first + m->tree_dofnum[tree]; ++dof) {
+    if (m->jnt_type[m->dof_jntid[dof]] != mjJNT_SLIDE) return false;
+  }
+  return true;
+}
+
 RigidFlights::RigidFlights(const mjModel* m, const mjData* d, const Motion& motion, bool pulses,
                            Scratch& scratch)
     : m_(m) {

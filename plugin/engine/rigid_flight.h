@@ -51,6 +51,10 @@ struct RigidInertia {
 // Whether the tree is a free rigid body other than a ball whose centre is its joint.
 bool IsTumbling(const mjModel* m, int tree);
 
+// Whether the inertia of the tree stays as it is while its bodies move: one joint, or a free body
+// whose centre does not go around it.
+bool KeepsInertia(const mjModel* m, int tree);
+
 // The tumbling bodies of a step that nothing but impacts holds: no constraint of MuJoCo, no pulse
 // that lasts.
 class RigidFlights {

@@ -76,4 +76,28 @@ void AddVelocityForces(const mjModel* m, mjData* d, const RigidFlights& flights,
   }
 }
 
+const mjtNum* WithoutVelocityForces(const mjModel* m, mjData* d, const RigidFlights& flights,
+                                    const mjtNum* acceleration, Scratch& scratch) {
+  const auto has_arms = [&](int tree) { return !flights.Has(tree) && !KeepsInertia(m, tree); };
+  int tree = 0;
+  while (tree < m->ntree && !has_arms(tree)) ++tree;
+  if (tree == m->ntree) return acceleration;
+  mjtNum* steady = scratch.Take<mjtNum>(m->nv);
+  mjtNum* velocity = scratch.Take<mjtNum>(m->nv);
+  mjtNum* still = scratch.Zeros(static_cast<int>(m->nv));
+  mjtNum* change = scratch.Take<mjtNum>(m->nv);
+  mju_copy(steady, acceleration, m->nv);
+  mju_copy(velocity, d->qvel, m->nv);
+  BiasAt(m, d, still, still);
+  BiasAt(m, d, velocity, change);
+  mju_subFrom(change, still, m->nv);
+  for (; tree < m->ntree; ++tree) {
+    if (!has_arms(tree) || IsAsleep(d, tree)) continue;
+    const int begin = m->tree_dofadr[tree];
+    SolveTreeInertia(m, d, tree, change + begin);
+    mju_addTo(steady + begin, change + begin, m->tree_dofnum[tree]);
+  }
+  return steady;
+}
+
 }  // namespace mujoco_impact::engine

@@ -33,6 +33,11 @@ namespace mujoco_impact::engine {
 void AddVelocityForces(const mjModel* m, mjData* d, const RigidFlights& flights, mjtNum t,
                        const mjtNum* before, const mjtNum* after, Kicks& kicks, Scratch& scratch);
 
+// The acceleration of the step without what such forces give arms, a + M⁻¹(c(q, v) − c(q, 0)): what
+// goes on while bodies touch (nv).
+const mjtNum* WithoutVelocityForces(const mjModel* m, mjData* d, const RigidFlights& flights,
+                                    const mjtNum* acceleration, Scratch& scratch);
+
 }  // namespace mujoco_impact::engine
 
 #endif  // MUJOCO_IMPACT_ENGINE_VELOCITY_FORCES_H_
