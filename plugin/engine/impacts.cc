@@ -21,10 +21,6 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-// After these rounds the rest of the step is resolved with the geometry of the last, as one
-// problem: in a crowd that would be too large.
-constexpr int kMaxRounds = 32, kMaxRoundsOfCrowd = 256;
-
 // Of a step: contacts that close after a shorter flight than this belong to the same impact. The
 // lever arms are then off by the square of the angle turned meanwhile: 1e-2 of that of a step.
 constexpr mjtNum kSameImpact = 0.1;
@@ -35,13 +31,14 @@ constexpr mjtNum kShortPulses = 0.5;
 class Resolver {
  public:
   Resolver(const mjModel* m, mjData* d, int instance, const Mobility& mobility, State& state,
-           Delivery& delivery, Scratch& scratch)
+           Budget& budget, Delivery& delivery, Scratch& scratch)
       : m_(m),
         d_(d),
         ownership_(m, instance),
         config_(ReadConfig(m, instance, ownership_.size(), nullptr)),
         mobility_(mobility),
         state_(state),
+        budget_(budget),
         delivery_(delivery),
         scratch_(scratch),
         bent_(ActiveEnd(state) > kShortPulses * m->opt.timestep),
@@ -72,6 +69,7 @@ class Resolver {
   const Config config_;
   const Mobility& mobility_;
   State& state_;
+  Budget& budget_;
   Delivery& delivery_;
   Scratch& scratch_;
   const bool bent_;         // pulses under way last on and bend the path
@@ -101,7 +99,7 @@ void Resolver::AddImpact(const ContactRow& row, const Impact& impact) {
 
 ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, int count) const {
   const mjtNum h = m_->opt.timestep;
-  ImpactTime time{outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1};
+  ImpactTime time{outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1, last_};
   for (int k = 0; k < count; ++k) {
     const int i = position[k];
     if (!contacts_.due[i]) continue;
@@ -129,7 +127,7 @@ bool Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
       BuildIsland(m_, d_, mobility_, contacts_, position, count, outlook.motion, time.tau, scratch);
   const mjtNum* velocity = SettledVelocity(m_, outlook, time.tau, scratch);
   Impact* impacts = scratch.Take<Impact>(count);
-  ResolveIsland(m_, config_, ownership_, system, time, velocity, impacts, scratch);
+  ResolveIsland(m_, config_, ownership_, system, time, velocity, budget_, impacts, scratch);
   if (config_.friction) {
     AddFriction(m_, d_, config_, outlook.motion, time.tau, velocity, system, impacts, scratch);
   }
@@ -273,9 +271,9 @@ void Resolver::RunRounds() {
     struck_.TakeForPulses(state_, pulses_end);
     outlook = bodies.MoveTo(pulses_end, impacts_, nullptr);
   }
-  for (int round = 1;; ++round) {
+  for (;;) {
     if (!FindDue(m_, d_, outlook, config_.touch, struck_.busy(), contacts_, scratch_)) return;
-    last_ = round == (crowded_ ? kMaxRoundsOfCrowd : kMaxRounds);
+    last_ = budget_.IsLow();
     flight_ = last_ ? std::numeric_limits<mjtNum>::infinity() : kSameImpact * h;
     ResolveRound(outlook);
     // a pulse that outlasts the step does not keep others from closing meanwhile
@@ -283,14 +281,15 @@ void Resolver::RunRounds() {
     if (last_ || round_end_ >= h || !MoreMayClose(outlook)) return;
     AnchorAll();
     outlook = bodies.MoveTo(round_end_, impacts_, struck_.owed());
+    budget_.SpendRound(m_, contacts_.count);
   }
 }
 
 }  // namespace
 
 void ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
-                    State& state, Delivery& delivery, Scratch& scratch) {
-  Resolver(m, d, instance, mobility, state, delivery, scratch).Run();
+                    State& state, Budget& budget, Delivery& delivery, Scratch& scratch) {
+  Resolver(m, d, instance, mobility, state, budget, delivery, scratch).Run();
 }
 
 }  // namespace mujoco_impact::engine

@@ -23,20 +23,9 @@ mjtNum DurationFromMoment(mjtNum impulse, mjtNum moment, mjtNum onset, mjtNum re
   return std::max(kShortest, (moment / impulse - onset) / law::WaveformMoment(1, restitution));
 }
 
-// Impacts with losses may rattle on for long, for ever less, and a step of an island of thousands
-// of contacts costs as many of a small one: impacts are cut, and what still closes is one of its
-// own.
-int StepLimit(const mjModel* m, const Config& config, const IslandSystem& system) {
-  const bool lossy = config.restitution < 1;
-  const double most = (lossy ? 20000 : 100000) + 100.0 * system.size;
-  const double least = std::min(most, 2000 + 20.0 * m->ntree);
-  const double work = lossy ? 1e8 : 5e8;  // couplings [steps × nonzeros of W]
-  return static_cast<int>(std::clamp(work / system.delassus.row_start[system.size], least, most));
-}
-
-// False if the law had to cut the impact.
-bool SolveHertz(const mjModel* m, const Config& config, const IslandSystem& system,
-                const ImpactTime& time, IslandProblem& problem) {
+// False if the impact was cut short for want of work.
+bool SolveHertz(const Config& config, const IslandSystem& system, const ImpactTime& time,
+                Budget& budget, IslandProblem& problem) {
   const law::ImpactProblem impact{system.delassus,
                                   problem.closing_speed,
                                   problem.gap,
@@ -46,7 +35,7 @@ bool SolveHertz(const mjModel* m, const Config& config, const IslandSystem& syst
                                   std::min(time.horizon, time.left()),
                                   time.flight,
                                   config.tolerance,
-                                  StepLimit(m, config, system),
+                                  time.last ? 0 : budget.OfLaw(),
                                   time.longest};
   for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset}) {
     mju_zero(solution, problem.size);
@@ -54,6 +43,7 @@ bool SolveHertz(const mjModel* m, const Config& config, const IslandSystem& syst
   law::ImpactSolution solution{problem.impulse, problem.moment, problem.onset, problem.after};
   const law::ImpactReport report =
       law::SolveImpact(impact, config.passive, &solution, problem.work);
+  budget.Spend(report.work);
   for (int k = 0; k < problem.size; ++k) {
     if (problem.impulse[k] <= 0) continue;
     problem.duration[k] = DurationFromMoment(problem.impulse[k], problem.moment[k],
@@ -111,11 +101,11 @@ bool SetCommonPulse(const Config& config, const IslandSystem& system, const Impa
 // closes after a flight is left for later accordingly. Where all that is not enough, contacts share
 // one pulse. Returns whether the impulses come at once.
 bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem& system,
-                      ImpactTime time, IslandProblem& problem) {
+                      ImpactTime time, Budget& budget, IslandProblem& problem) {
   constexpr int kTrials = 5;
   bool at_once = false;
   for (int i = 0;; ++i) {
-    const bool over = SolveHertz(m, config, system, time, problem);
+    const bool over = SolveHertz(config, system, time, budget, problem);
     mjtNum less = std::min(CompressLess(m, system, problem), TurnLess(system, problem));
     if (config.restitution < 1) less = std::min(less, DentLess(system, problem));
     if (InstantRule(config) && less >= 1) {
@@ -160,7 +150,7 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
 
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   Impact* impacts, Scratch& scratch) {
+                   Budget& budget, Impact* impacts, Scratch& scratch) {
   IslandProblem problem = MakeProblem(m, config, system, velocity, scratch);
   const int first = time.first;
   const mjtNum speed = problem.closing_speed[first];
@@ -175,7 +165,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   mjtNum* alpha = scratch.Zeros(system.size);
   bool at_once = false;
   if (config.law == Law::kHertz) {
-    at_once = SolveWithinDepth(m, config, system, time, problem);
+    at_once = SolveWithinDepth(m, config, system, time, budget, problem);
     // α_k = P_k / P_ref, P_ref = (1 + e) μ u of the contact that closes first
     mju_scl(alpha, problem.impulse, 1 / ((1 + e) * reduced_mass * speed), system.size);
   } else {

@@ -6,6 +6,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include "engine/budget.h"
 #include "engine/config.h"
 #include "engine/island_system.h"
 #include "engine/ownership.h"
@@ -33,6 +34,7 @@ struct ImpactTime {
   mjtNum horizon;   // as are those that begin to close later than this after τ [s]
   mjtNum longest;   // flight, whatever the law takes for the same impact [s]
   int first;        // which contact of the island that is
+  bool last;        // no further round will be: whatever closes is ended at once
 
   mjtNum left() const { return timestep - start - tau; }  // of the step
 };
@@ -45,7 +47,7 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
 // `impacts` has room for system.size.
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   Impact* impacts, Scratch& scratch);
+                   Budget& budget, Impact* impacts, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

@@ -36,6 +36,7 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   if (state.header().active > 0 || state.header().pending != 0) state.ResetUnlessSound(m, instance);
   OpenStage(m, d, state);
   DiscardPending(state);
+  state.header().work = 0;
   const bool pulses = state.header().active > 0;
   const bool closing = AnyMayClose(m, d, state.header().touch);
   if (!pulses && !closing) return;
@@ -50,7 +51,11 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   const Mobility mobility(m, d, scratch);
   Delivery delivery = MakeDelivery(m, scratch);
   if (pulses) DeliverActive(m, d, mobility, state, delivery, scratch);
-  if (closing) ResolveImpacts(m, d, instance, mobility, state, delivery, scratch);
+  if (closing) {
+    Budget budget(m, d);
+    ResolveImpacts(m, d, instance, mobility, state, budget, delivery, scratch);
+    state.header().work = budget.spent();
+  }
   if (pulses && state.header().pending_pulses > 0) {
     EndOverfullByImpacts(m, d, mobility, state, delivery, scratch);
   }

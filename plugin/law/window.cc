@@ -80,6 +80,11 @@ int Window::AdmitArrivals(int count, double t, double* y, double* c) {
 void Window::NeighbourSums(int k, double* impulse, double* moment) const {
   const DelassusMatrix& W = problem_.delassus;
   *impulse = *moment = 0;
+  if (const BodyRows* rows = W.by_body) {
+    *impulse = RowTimes(*rows, k, rows->work + rows->dofs());
+    *moment = RowTimes(*rows, k, rows->work + 2 * rows->dofs());
+    return;
+  }
   for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
     *impulse += W.value[a] * solution_.impulse[W.column[a]];
     *moment += W.value[a] * solution_.moment[W.column[a]];
@@ -104,6 +109,10 @@ void Window::Leave(int k, double t, const double* y, const double* c) {
 void Window::Move(double t, double* y, double* c) {
   if (whole_) return;
   const DelassusMatrix& W = problem_.delassus;
+  if (const BodyRows* rows = W.by_body) {
+    Answer(W, solution_.impulse, rows->work + rows->dofs());
+    Answer(W, solution_.moment, rows->work + 2 * rows->dofs());
+  }
   std::swap(member_, previous_);
   ++generation_;
   // previous members carry an odd mark until they are taken again
@@ -113,16 +122,15 @@ void Window::Move(double t, double* y, double* c) {
   for (int i = 0; i < number; ++i) {
     const int k = previous_[i];
     if (!Matters(y[k], c[k])) continue;
-    for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
-      const int l = W.column[a];
-      if (IsMember(l)) continue;
+    ForNeighbours(W, k, [&](int l) {
+      if (IsMember(l)) return;
       if (seen_[l] != 2 * generation_ - 1) {
         Enter(l, t, y, c);
         previous_[number++] = l;  // it may matter to its own neighbours at once
       }
       seen_[l] = 2 * generation_;
       member_[size_++] = l;
-    }
+    });
   }
   for (int i = 0; i < number; ++i) {
     const int k = previous_[i];

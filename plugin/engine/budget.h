@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// The work that the impacts of a step may do.
+//
+// It is counted, in units of about a nanosecond, never timed: the same state gives the same step
+// on any machine. All rounds, trials and steps of the law of a step share one budget, which is in
+// proportion to what the scene costs MuJoCo itself. When it runs out, everything that still closes
+// is ended at once (law/plastic_end.h).
+
+#ifndef MUJOCO_IMPACT_ENGINE_BUDGET_H_
+#define MUJOCO_IMPACT_ENGINE_BUDGET_H_
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+
+namespace mujoco_impact::engine {
+
+class Budget {
+ public:
+  Budget(const mjModel* m, const mjData* d);
+
+  void Spend(double work) { spent_ += work; }
+  double spent() const { return spent_; }
+
+  // What one solution of the law may take: half of what is left, so that whatever comes later in
+  // the step has its share.
+  double OfLaw() const { return std::max(0.0, 0.5 * (total_ - spent_)); }
+
+  // Whether the round that begins must be the last.
+  bool IsLow() const { return spent_ > kOfRounds * total_; }
+
+  // What it costs to move the bodies to another time, and to look at the contacts there.
+  void SpendRound(const mjModel* m, int contacts);
+
+ private:
+  static constexpr double kOfRounds = 0.75;
+  double total_, spent_ = 0;
+};
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_BUDGET_H_
