@@ -4,7 +4,7 @@
 // It is counted, in units of about a nanosecond, never timed: the same state gives the same step
 // on any machine. All rounds, trials and steps of the law of a step share one budget, which is in
 // proportion to what the scene costs MuJoCo itself. When it runs out, everything that still closes
-// is ended at once (law/plastic_end.h).
+// is ended at once (law/short_end.h).
 
 #ifndef MUJOCO_IMPACT_ENGINE_BUDGET_H_
 #define MUJOCO_IMPACT_ENGINE_BUDGET_H_
@@ -25,6 +25,9 @@ class Budget {
   // What one solution of the law may take: half of what is left, so that whatever comes later in
   // the step has its share.
   double OfLaw() const { return std::max(0.0, 0.5 * (total_ - spent_)); }
+
+  // And what its end may take besides.
+  double OfEnd() const { return 0.5 * OfLaw(); }
 
   // Whether the round that begins must be the last.
   bool IsLow() const { return spent_ > kOfRounds * total_; }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/contact_stiffness.h"
+#include "law/hertz_contact.h"
 #include "law/waveform.h"
 
 namespace mujoco_impact::engine {
@@ -66,6 +67,22 @@ mjtNum EndOf(const IslandProblem& problem) {
     if (problem.impulse[k] > 0) end = std::max(end, problem.onset[k] + problem.duration[k]);
   }
   return end;
+}
+
+mjtNum CloseLess(const mjModel* m, const Config& config, const IslandSystem& system,
+                 const IslandProblem& problem) {
+  mjtNum less = 1;
+  for (int k = 0; k < problem.size; ++k) {
+    const mjtNum c = problem.closing_speed[k];
+    if (c <= 0) continue;
+    const mjtNum deepest = kOfRadius / ContactCurvature(m, *system.row[k].contact);
+    const mjtNum y =
+        law::MaximumCompression(problem.stiffness[k], 1 / system.delassus.diagonal[k], c);
+    // (1 − e²) of it is left when the contact has expanded
+    const mjtNum dent = (1 - config.restitution * config.restitution) * y;
+    less = std::min({less, deepest / y, RoomOf(system.row[k]) / std::max(dent, mjMINVAL)});
+  }
+  return less;
 }
 
 mjtNum CompressLess(const mjModel* m, const IslandSystem& system, const IslandProblem& problem) {

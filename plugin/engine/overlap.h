@@ -20,6 +20,10 @@ namespace mujoco_impact::engine {
 // When the last pulse is over [s].
 mjtNum EndOf(const IslandProblem& problem);
 
+// For what closes at once, each contact by itself: an estimate before the law is asked.
+mjtNum CloseLess(const mjModel* m, const Config& config, const IslandSystem& system,
+                 const IslandProblem& problem);
+
 // For the compressions of the Hertz law, by the peak forces of its solution, H = K y^(3/2).
 mjtNum CompressLess(const mjModel* m, const IslandSystem& system, const IslandProblem& problem);
 

@@ -36,6 +36,7 @@ bool SolveHertz(const Config& config, const IslandSystem& system, const ImpactTi
                                   time.flight,
                                   config.tolerance,
                                   time.last ? 0 : budget.OfLaw(),
+                                  budget.OfEnd(),
                                   time.longest};
   for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset}) {
     mju_zero(solution, problem.size);
@@ -104,6 +105,12 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
                       ImpactTime time, Budget& budget, IslandProblem& problem) {
   constexpr int kTrials = 5;
   bool at_once = false;
+  const auto stiffen = [&](mjtNum less) {
+    mju_scl(problem.stiffness, problem.stiffness, std::pow(less, -2.5), problem.size);
+    time.flight *= less;
+  };
+  // within the bounds, or rounding would decide
+  if (const mjtNum less = CloseLess(m, config, system, problem); less < 1) stiffen(0.9 * less);
   for (int i = 0;; ++i) {
     const bool over = SolveHertz(config, system, time, budget, problem);
     mjtNum less = std::min(CompressLess(m, system, problem), TurnLess(system, problem));
@@ -115,10 +122,9 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
     if (less >= 1) return at_once;
     // an impact that does not end is none of stiffness
     if (i == kTrials || !over) break;
-    // within the bound, or rounding would decide; gaps do not shrink along, so the more later on
+    // gaps do not shrink along, so the more later on
     less *= i == 0 ? 0.9 : 0.25;
-    mju_scl(problem.stiffness, problem.stiffness, std::pow(less, -2.5), problem.size);
-    time.flight *= less;
+    stiffen(less);
   }
   return SetCommonPulse(config, system, time, EndOf(problem), problem);
 }

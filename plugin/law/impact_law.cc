@@ -8,7 +8,7 @@
 #include "law/impact_clock.h"
 #include "law/lanes.h"
 #include "law/passivity.h"
-#include "law/plastic_end.h"
+#include "law/short_end.h"
 #include "law/single_impact.h"
 #include "law/viscous.h"
 
@@ -51,7 +51,7 @@ ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolut
   if (n == 1 && !viscous) return SolveIsolated(problem, solution);
   ImpactReport report = viscous ? IntegrateViscous(problem, solution, workspace)
                                       : IntegrateCompression(problem, solution, workspace);
-  if (!report.converged) report.work += EndPlastically(problem, report.time, solution, workspace);
+  if (!report.converged) report.work += EndShort(problem, report.time, solution, workspace);
   SpeedsAfter(problem, *solution);
   if (!passive) return report;
   const double s = ConservativeScale(problem.delassus, problem.closing_speed, solution->impulse,

@@ -38,8 +38,9 @@ struct ImpactProblem {
   // but for what belongs to the same impact (impact_clock.h)
   double horizon, flight;
   double tolerance;  // error allowed per step, relative to the speed and compression of the impact
-  // multiplications after which the impact is ended (plastic_end.h): any known one takes less
-  double work = 1e8;
+  // multiplications after which the impact is ended (short_end.h), and those that the end may
+  // take: any known impact takes less
+  double work = 1e8, work_of_end = 1e7;
   // [s] the longest flight that may belong to the same impact however long its contacts last
   double longest_flight = std::numeric_limits<double>::infinity();
 };
