@@ -7,7 +7,7 @@ namespace mujoco_impact::engine {
 namespace {
 
 // MuJoCo takes about a microsecond a degree of freedom and half of one a contact.
-constexpr double kPerDof = 1000, kPerContact = 500;
+constexpr double kMujocoPerDof = 1000, kMujocoPerContact = 500;
 
 // Of our own, of which the rest of a step takes as much again.
 constexpr double kConstant = 1.5e6, kOfMujoco = 10;
@@ -15,11 +15,22 @@ constexpr double kConstant = 1.5e6, kOfMujoco = 10;
 }  // namespace
 
 Budget::Budget(const mjModel* m, const mjData* d)
-    : total_(kConstant + kOfMujoco * (kPerDof * m->nv + kPerContact * d->ncon)) {}
+    : total_(kConstant + kOfMujoco * (kMujocoPerDof * m->nv + kMujocoPerContact * d->ncon)) {}
 
-void Budget::SpendRound(const mjModel* m, int contacts) {
-  constexpr double kPerBody = 500, kPerVelocity = 100, kPerPath = 150;
-  Spend(kPerBody * m->nbody + kPerVelocity * m->nv + kPerPath * contacts);
+void Budget::SpendRound(const mjModel* m, const Gathered& contacts) {
+  constexpr double kPerBody = 400, kPerVelocity = 50, kPerPath = 500, kPerContact = 50;
+  const auto paths = std::count(contacts.relevant, contacts.relevant + contacts.count, true);
+  Spend(kPerBody * m->nbody + kPerVelocity * m->nv + kPerPath * paths +
+        kPerContact * contacts.count);
+}
+
+void Budget::SpendRow(const mjModel* m, const ContactRow& row) {
+  constexpr double kPerRow = 500, kPerDof = 75;
+  double dofs = 0;
+  for (const RowSegment& segment : row.segment) {
+    if (segment.tree >= 0) dofs += m->tree_dofnum[segment.tree];
+  }
+  Spend(kPerRow + kPerDof * dofs);
 }
 
 }  // namespace mujoco_impact::engine

@@ -13,6 +13,9 @@
 
 #include <algorithm>
 
+#include "engine/gather.h"
+#include "engine/island_system.h"
+
 namespace mujoco_impact::engine {
 
 class Budget {
@@ -32,8 +35,10 @@ class Budget {
   // Whether the round that begins must be the last.
   bool IsLow() const { return spent_ > kOfRounds * total_; }
 
-  // What it costs to move the bodies to another time, and to look at the contacts there.
-  void SpendRound(const mjModel* m, int contacts);
+  // What it costs to move the bodies to another time and to look at the contacts there, and to make
+  // the row of one that takes part in an impact.
+  void SpendRound(const mjModel* m, const Gathered& contacts);
+  void SpendRow(const mjModel* m, const ContactRow& row);
 
  private:
   static constexpr double kOfRounds = 0.75;

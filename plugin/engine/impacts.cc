@@ -76,8 +76,7 @@ class Resolver {
   const Delivery impacts_;  // what comes at times within the step
   Gathered contacts_;
   Struck struck_;
-  bool last_ = false;     // no further round is possible
-  bool crowded_ = false;  // an island was too large to be resolved as a whole
+  bool last_ = false;  // no further round is possible
   mjtNum flight_ = 0;
   mjtNum round_end_ = 0;  // when the first impact of the round is over
   mjtNum left_ = 0;       // when the first contact closes that took no part in it
@@ -125,6 +124,7 @@ bool Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
   }
   IslandSystem system =
       BuildIsland(m_, d_, mobility_, contacts_, position, count, outlook.motion, time.tau, scratch);
+  for (int k = 0; k < count; ++k) budget_.SpendRow(m_, system.row[k]);
   const mjtNum* velocity = SettledVelocity(m_, outlook, time.tau, scratch);
   Impact* impacts = scratch.Take<Impact>(count);
   ResolveIsland(m_, config_, ownership_, system, time, velocity, budget_, impacts, scratch);
@@ -173,7 +173,6 @@ bool Resolver::ResolvePartOf(const Outlook& outlook, ImpactTime time, const int*
   if (last_ || !IsCrowded(m_, d_, contacts_, position, count)) {
     return ResolveIslandOf(outlook, time, position, count);
   }
-  crowded_ = true;
   Scratch scratch(d_);
   const Islands part =
       ReachedPart(m_, d_, mobility_, outlook, position, count, contacts_, time, scratch);
@@ -187,7 +186,8 @@ bool Resolver::ResolvePartOf(const Outlook& outlook, ImpactTime time, const int*
   return ResolveIslandOf(outlook, time, part.position, part.start[1]);
 }
 
-// Resolves the island from the first contact on whose closing is an impact.
+// Resolves the island from the first contact on whose closing is an impact. What closes within the
+// flight of one that pushes nothing was part of the same problem.
 void Resolver::ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position,
                               int count) {
   while (time.first >= 0) {
@@ -195,9 +195,12 @@ void Resolver::ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int
       std::fill_n(contacts_.idle, contacts_.count, false);
       return;
     }
-    const int first = position[time.first];
-    contacts_.idle[first] = true;
-    contacts_.due[first] = false;
+    for (int k = 0; k < count; ++k) {
+      const int i = position[k];
+      if (!contacts_.due[i] || contacts_.tau[i] > time.tau + time.flight) continue;
+      contacts_.idle[i] = true;
+      contacts_.due[i] = false;
+    }
     time = FirstClosing(outlook, position, count);
   }
 }
@@ -273,6 +276,7 @@ void Resolver::RunRounds() {
   }
   for (;;) {
     if (!FindDue(m_, d_, outlook, config_.touch, struck_.busy(), contacts_, scratch_)) return;
+    budget_.SpendRound(m_, contacts_);
     last_ = budget_.IsLow();
     flight_ = last_ ? std::numeric_limits<mjtNum>::infinity() : kSameImpact * h;
     ResolveRound(outlook);
@@ -281,7 +285,6 @@ void Resolver::RunRounds() {
     if (last_ || round_end_ >= h || !MoreMayClose(outlook)) return;
     AnchorAll();
     outlook = bodies.MoveTo(round_end_, impacts_, struck_.owed());
-    budget_.SpendRound(m_, contacts_.count);
   }
 }
 

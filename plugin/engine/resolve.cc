@@ -129,6 +129,13 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
   return SetCommonPulse(config, system, time, EndOf(problem), problem);
 }
 
+// The contact that gives an impact its scale: the one that closes first or, if that is by rounding
+// alone, the one that closes fastest.
+int ReferenceOf(const IslandProblem& problem, int first) {
+  const mjtNum* c = problem.closing_speed;
+  return c[first] > 0 ? first : static_cast<int>(std::max_element(c, c + problem.size) - c);
+}
+
 // −ΔT over the sum of impulses.
 mjtNum LossPerImpulse(const IslandSystem& system, const IslandProblem& problem) {
   const mjtNum change = law::KineticEnergyChange(system.delassus, problem.closing_speed,
@@ -158,7 +165,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
                    Budget& budget, Impact* impacts, Scratch& scratch) {
   IslandProblem problem = MakeProblem(m, config, system, velocity, scratch);
-  const int first = time.first;
+  const int first = ReferenceOf(problem, time.first);
   const mjtNum speed = problem.closing_speed[first];
   std::fill_n(impacts, system.size, Impact{});
   if (speed <= 0) return;
