@@ -19,6 +19,8 @@ Budget::Budget(const mjModel* m, const mjData* d)
 
 void Budget::SpendRound(const mjModel* m, const Gathered& contacts) {
   constexpr double kPerBody = 400, kPerVelocity = 50, kPerPath = 500, kPerContact = 50;
+  most_for_rows_ = std::max(most_for_rows_, for_rows_);
+  for_rows_ = 0;
   const auto paths = std::count(contacts.relevant, contacts.relevant + contacts.count, true);
   Spend(kPerBody * m->nbody + kPerVelocity * m->nv + kPerPath * paths +
         kPerContact * contacts.count);
@@ -30,6 +32,7 @@ void Budget::SpendRow(const mjModel* m, const ContactRow& row) {
   for (const RowSegment& segment : row.segment) {
     if (segment.tree >= 0) dofs += m->tree_dofnum[segment.tree];
   }
+  for_rows_ += kPerRow + kPerDof * dofs;
   Spend(kPerRow + kPerDof * dofs);
 }
 

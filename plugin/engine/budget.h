@@ -25,15 +25,16 @@ class Budget {
   void Spend(double work) { spent_ += work; }
   double spent() const { return spent_; }
 
-  // What one solution of the law may take: half of what is left, so that whatever comes later in
-  // the step has its share.
-  double OfLaw() const { return std::max(0.0, 0.5 * (total_ - spent_)); }
+  // What one solution of the law may take, and its end besides, so that whatever comes later in the
+  // step has a share.
+  double OfLaw() const { return 0.7 * left(); }
+  double OfEnd() const { return 0.2 * left(); }
 
-  // And what its end may take besides.
-  double OfEnd() const { return 0.5 * OfLaw(); }
+  // Whether the round that begins must be the last: there may be no work for the rows of another.
+  bool IsLow() const { return spent_ + 2 * most_for_rows_ > kOfRounds * total_; }
 
-  // Whether the round that begins must be the last.
-  bool IsLow() const { return spent_ > kOfRounds * total_; }
+  // Whether no island must be looked at any more.
+  bool IsSpent() const { return spent_ > total_; }
 
   // What it costs to move the bodies to another time and to look at the contacts there, and to make
   // the row of one that takes part in an impact.
@@ -42,7 +43,11 @@ class Budget {
 
  private:
   static constexpr double kOfRounds = 0.75;
+
+  double left() const { return std::max(0.0, total_ - spent_); }
+
   double total_, spent_ = 0;
+  double for_rows_ = 0, most_for_rows_ = 0;  // of this round, and of the dearest one so far
 };
 
 }  // namespace mujoco_impact::engine

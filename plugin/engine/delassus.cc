@@ -137,7 +137,8 @@ law::DelassusMatrix ByBody(const mjModel* m, const ContactRow* row, int size, co
   }
   mjtNum* work = scratch.Take<mjtNum>(3 * dof_start[m->ntree]);
   auto* rows = new (scratch.Take<law::BodyRows>(1))
-      law::BodyRows{static_cast<int>(m->ntree), dof_start, part, by.start, by.contact, work};
+      law::BodyRows{static_cast<int>(m->ntree), dof_start, part, by.start, by.contact, work,
+                    scratch.Take<int>(m->ntree)};
   for (int k = 0; k < size; ++k) {
     for (int i = 0; i < 2; ++i) {
       const auto& [tree, jacobian, inverse_inertia] = row[k].segment[i];
@@ -163,7 +164,7 @@ void CountCouplings(const mjModel* m, const ByTree& by, size_t* couplings,
 
 size_t DelassusBytes(const mjModel* m, const Mobility& mobility, int size, size_t couplings,
                      size_t dofs) {
-  const size_t lists = (4 * m->ntree + 4 * size + 8) * sizeof(int) + size * sizeof(mjtNum);
+  const size_t lists = (5 * m->ntree + 4 * size + 8) * sizeof(int) + size * sizeof(mjtNum);
   if (IsByBody(mobility, couplings, dofs)) {
     return lists + 2 * size * sizeof(law::BodyRow) + 3 * dofs * sizeof(mjtNum);
   }

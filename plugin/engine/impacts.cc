@@ -201,6 +201,7 @@ void Resolver::ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int
       contacts_.idle[i] = true;
       contacts_.due[i] = false;
     }
+    if (budget_.IsSpent()) return;
     time = FirstClosing(outlook, position, count);
   }
 }

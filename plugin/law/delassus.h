@@ -28,6 +28,7 @@ struct BodyRows {
   const int* contact_start;  // (bodies + 1) into `contact`
   const int* contact;        // the contacts of each body
   double* work;              // (3 dof_start[bodies]), whatever is in it
+  int* mark;                 // (bodies), the same
 
   int dofs() const { return dof_start[bodies]; }
   int dofs(int body) const { return dof_start[body + 1] - dof_start[body]; }
@@ -117,12 +118,12 @@ void ForRow(const DelassusMatrix& W, int k, Visit visit) {
 }
 
 // Multiplications that row k costs in a product W x, about.
-inline int RowCost(const DelassusMatrix& W, int k) {
+inline double RowCost(const DelassusMatrix& W, int k) {
   if (!W.by_body) return W.row_start[k + 1] - W.row_start[k];
-  int cost = 0;
+  double cost = 8;
   for (int i = 2 * k; i < 2 * k + 2; ++i) {
     const int body = W.by_body->part[i].body;
-    if (body >= 0) cost += 2 * W.by_body->dofs(body);
+    if (body >= 0) cost += W.by_body->dofs(body);
   }
   return cost;
 }

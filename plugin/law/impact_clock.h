@@ -25,7 +25,7 @@ constexpr double kSameImpactTimes = 5;
 
 // Multiplications that an attempted step costs: so many products by W, and what is done by lane.
 inline double StepCost(const Lanes& lanes, int products) {
-  constexpr double kPerLane = 20;
+  constexpr double kPerLane = 10;
   return products * lanes.product_cost() + kPerLane * lanes.padded();
 }
 

@@ -9,9 +9,11 @@ namespace mujoco_impact::law {
 
 namespace {
 
-// To and fro twice, between two searches of the subspace; what there is work for at least.
+// To and fro twice, between two searches of the subspace.
 constexpr int kSweeps = 4;
-constexpr double kFewestSweeps = 8;
+
+// What there is work for at least, in products by W.
+constexpr double kFewestProducts = 16;
 
 // Conjugate gradients end at this part of the residual.
 constexpr double kOfResidual = 1e-8;
@@ -33,8 +35,8 @@ bool StoppingImpulses::Solve(const double* closing_speed, const double* bound, d
   b_ = bound;
   std::fill_n(p_, W_.size, 0.0);
   FindAfter();
-  const double end = work_ + std::max(work, kFewestSweeps * cost_);
-  for (int sweeps = 0; work_ < end; ++sweeps) {
+  end_ = work_ + std::max(work, kFewestProducts * cost_);
+  for (int sweeps = 0; work_ < end_; ++sweeps) {
     if (sweeps > 0 && sweeps % kSweeps == 0) MoveInSubspace();
     const double change = Sweep(sweeps % 2 == 1);
     if (change > floor) continue;
@@ -61,7 +63,9 @@ double StoppingImpulses::Sweep(bool fro) {
     }
     largest = std::max(largest, std::abs(change) * W_.diagonal[k]);
   }
-  work_ += cost_;
+  // each contact waits for the one before
+  constexpr double kPerContact = 25;
+  work_ += cost_ + kPerContact * W_.size;
   return largest;
 }
 
@@ -89,7 +93,7 @@ void StoppingImpulses::FindDirection() {
     square += r[k] * s[k];
   }
   const double enough = kOfResidual * kOfResidual * square;
-  for (int i = 0; i < MostProducts(n) && square > enough; ++i) {
+  for (int i = 0; i < MostProducts(n) && square > enough && work_ < end_; ++i) {
     Multiply(W_, s, Ws);
     work_ += cost_;
     double curvature = 0;

@@ -43,7 +43,7 @@ class StoppingImpulses {
 
   const DelassusMatrix& W_;
   const double cost_;  // of a product by W
-  double work_ = 0;
+  double work_ = 0, end_ = 0;
   const double *c_ = nullptr, *b_ = nullptr;
   double *p_, *after_;
   double *residual_, *step_, *answer_, *direction_;  // of the conjugate gradients
