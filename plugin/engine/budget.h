@@ -30,11 +30,11 @@ class Budget {
   double OfLaw() const { return 0.7 * left(); }
   double OfEnd() const { return 0.2 * left(); }
 
-  // Whether the round that begins must be the last: there may be no work for the rows of another.
-  bool IsLow() const { return spent_ + 2 * most_for_rows_ > kOfRounds * total_; }
+  // Whether the round that begins must be the last.
+  bool IsLow() const { return left() < 0.25 * total_; }
 
   // Whether no island must be looked at any more.
-  bool IsSpent() const { return spent_ > total_; }
+  bool IsSpent() const { return left() <= 0; }
 
   // What it costs to move the bodies to another time and to look at the contacts there, and to make
   // the row of one that takes part in an impact.
@@ -42,12 +42,13 @@ class Budget {
   void SpendRow(const mjModel* m, const ContactRow& row);
 
  private:
-  static constexpr double kOfRounds = 0.75;
-
-  double left() const { return std::max(0.0, total_ - spent_); }
+  // Without what the rows of a last round may take.
+  double left() const {
+    return std::max(0.0, total_ - spent_ - std::max(for_rows_, most_for_rows_));
+  }
 
   double total_, spent_ = 0;
-  double for_rows_ = 0, most_for_rows_ = 0;  // of this round, and of the dearest one so far
+  double for_rows_ = 0, most_for_rows_ = 0;  // of this round, and of the dearest one before
 };
 
 }  // namespace mujoco_impact::engine

@@ -150,8 +150,7 @@ law::DelassusMatrix ByBody(const mjModel* m, const ContactRow* row, int size, co
 }
 
 // Of W, counted without building it.
-void CountCouplings(const mjModel* m, const ByTree& by, size_t* couplings,
-                    size_t* dofs) {
+void CountCouplings(const mjModel* m, const ByTree& by, size_t* couplings, size_t* dofs) {
   *couplings = *dofs = 0;
   for (int tree = 0; tree < m->ntree; ++tree) {
     const size_t contacts = by.start[tree + 1] - by.start[tree];
@@ -177,9 +176,8 @@ law::DelassusMatrix BuildDelassus(const mjModel* m, const Mobility& mobility, co
   const ByTree by = SortByTree(m, mobility, row, size, scratch);
   size_t couplings, dofs;
   CountCouplings(m, by, &couplings, &dofs);
-  return IsByBody(mobility, couplings, dofs)
-             ? ByBody(m, row, size, by, scratch)
-             : CompressedRows(m, mobility, row, size, by, scratch);
+  return IsByBody(mobility, couplings, dofs) ? ByBody(m, row, size, by, scratch)
+                                             : CompressedRows(m, mobility, row, size, by, scratch);
 }
 
 }  // namespace mujoco_impact::engine

@@ -18,7 +18,8 @@ namespace mujoco_impact::engine {
 size_t DelassusBytes(const mjModel* m, const Mobility& mobility, int size, size_t couplings,
                      size_t dofs);
 
-// W = J M̃⁻¹ Jᵀ in the form in which it is cheaper to multiply by; the rows must stay where they are.
+// W = J M̃⁻¹ Jᵀ in the form in which it is cheaper to multiply by; the rows must stay where they
+// are.
 law::DelassusMatrix BuildDelassus(const mjModel* m, const Mobility& mobility, const ContactRow* row,
                                   int size, Scratch& scratch);
 

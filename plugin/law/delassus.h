@@ -37,10 +37,10 @@ struct BodyRows {
 // Symmetric positive semidefinite, with its diagonal, either in compressed rows or by bodies.
 struct DelassusMatrix {
   int size;
-  const int* row_start;    // (size + 1)
-  const int* column;       // (row_start[size])
-  const double* value;     // (row_start[size]) [1/kg]
-  const double* diagonal;  // (size) [1/kg], > 0
+  const int* row_start;               // (size + 1)
+  const int* column;                  // (row_start[size])
+  const double* value;                // (row_start[size]) [1/kg]
+  const double* diagonal;             // (size) [1/kg], > 0
   const BodyRows* by_body = nullptr;  // if set, there are no compressed rows
 };
 

@@ -50,7 +50,7 @@ ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolut
   const bool viscous = problem.dissipation == Dissipation::kViscous && problem.restitution < 1;
   if (n == 1 && !viscous) return SolveIsolated(problem, solution);
   ImpactReport report = viscous ? IntegrateViscous(problem, solution, workspace)
-                                      : IntegrateCompression(problem, solution, workspace);
+                                : IntegrateCompression(problem, solution, workspace);
   if (!report.converged) report.work += EndShort(problem, report.time, solution, workspace);
   SpeedsAfter(problem, *solution);
   if (!passive) return report;

@@ -4,8 +4,8 @@
 //   p ≥ 0  ⊥  b − (c − W p) ≥ 0
 //
 // with the closing speeds c and the bounds b ≥ 0 of them. p minimises f = ½ pᵀW p − (c − b)ᵀp over
-// p ≥ 0. Projected Gauss-Seidel finds out which contacts push, conjugate gradients how much those do
-// (Robinson, Feng, Nocedal and Pang: Subspace accelerated matrix splitting, 2013): a light body
+// p ≥ 0. Projected Gauss-Seidel finds out which contacts push, conjugate gradients how much those
+// do (Robinson, Feng, Nocedal and Pang: Subspace accelerated matrix splitting, 2013): a light body
 // between heavy ones takes the former as many sweeps as the masses have ratio. Both start at p = 0
 // and only lower f, so that kinetic energy, which changes by f − bᵀp, does not grow however early
 // they are stopped.
