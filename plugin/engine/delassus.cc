@@ -13,10 +13,7 @@ namespace {
 // keep the compressed form and its bits.
 constexpr double kWorthwhile = 4;
 
-// Whether W is to be by bodies. What ties couple has no such form.
-bool IsByBody(const Mobility& mobility, size_t couplings, size_t dofs) {
-  return mobility.ties() == 0 && kWorthwhile * dofs < couplings;
-}
+bool IsByBody(const DelassusSize& size) { return kWorthwhile * size.dofs < size.couplings; }
 
 // J_k M⁻¹ J_lᵀ
 mjtNum Couple(const mjModel* m, const ContactRow& k, const ContactRow& l) {
@@ -64,17 +61,20 @@ ByTree SortByTree(const mjModel* m, const Mobility& mobility, const ContactRow* 
                   Scratch& scratch) {
   ByTree by{scratch.Take<int>(m->ntree + 2), scratch.Take<int>(2 * size)};
   std::fill_n(by.start, m->ntree + 2, 0);
-  for (int k = 0; k < size; ++k) {
-    for (const RowSegment& segment : row[k].segment) {
-      if (segment.tree >= 0) ++by.start[mobility.Group(segment.tree) + 2];
+  const auto for_groups = [&](auto visit) {
+    for (int k = 0; k < size; ++k) {
+      int first = -1;
+      for (const RowSegment& segment : row[k].segment) {
+        const int group = segment.tree < 0 ? -1 : mobility.Group(segment.tree);
+        if (group < 0 || group == first) continue;
+        first = group;
+        visit(k, group);
+      }
     }
-  }
+  };
+  for_groups([&](int, int group) { ++by.start[group + 2]; });
   for (int t = 2; t < m->ntree + 2; ++t) by.start[t] += by.start[t - 1];
-  for (int k = 0; k < size; ++k) {
-    for (const RowSegment& segment : row[k].segment) {
-      if (segment.tree >= 0) by.contact[by.start[mobility.Group(segment.tree) + 1]++] = k;
-    }
-  }
+  for_groups([&](int k, int group) { by.contact[by.start[group + 1]++] = k; });
   return by;
 }
 
@@ -123,61 +123,97 @@ law::DelassusMatrix CompressedRows(const mjModel* m, const Mobility& mobility,
   return W;
 }
 
-// A body of the law is a kinematic tree.
-law::DelassusMatrix ByBody(const mjModel* m, const ContactRow* row, int size, const ByTree& by,
-                           Scratch& scratch) {
-  int* dof_start = scratch.Take<int>(m->ntree + 1);
+// The rows of a contact on the degrees of freedom of a tree, or of all trees that are tied to it:
+// side by side from `offset[tree]` on.
+law::BodyRow GroupRow(const mjModel* m, const Mobility& mobility, const ContactRow& row, int group,
+                      const int* offset, int dofs, Scratch& scratch) {
+  mjtNum* jacobian = scratch.Zeros(dofs);
+  mjtNum* answer = scratch.Take<mjtNum>(dofs);
+  for (const RowSegment& segment : row.segment) {
+    if (segment.tree < 0 || mobility.Group(segment.tree) != group) continue;
+    mju_copy(jacobian + offset[segment.tree], segment.jacobian, m->tree_dofnum[segment.tree]);
+  }
+  Scratch temporary(mobility.data());
+  mjtNum* all = temporary.Zeros(static_cast<int>(m->nv));
+  AddAnswer(m, mobility, row, 1, all, temporary);
+  for (int tree = 0; tree < m->ntree; ++tree) {
+    if (mobility.Group(tree) != group) continue;
+    mju_copy(answer + offset[tree], all + m->tree_dofadr[tree], m->tree_dofnum[tree]);
+  }
+  return {group, jacobian, answer};
+}
+
+// A body of the law is a kinematic tree, or those that are tied to each other.
+law::DelassusMatrix ByBody(const mjModel* m, const Mobility& mobility, const ContactRow* row,
+                           int size, const ByTree& by, Scratch& scratch) {
+  const int trees = static_cast<int>(m->ntree);
+  int* dof_start = scratch.Take<int>(trees + 1);
+  int* offset = scratch.Take<int>(trees);
+  int* dofs = GroupDofs(m, mobility, offset, scratch);
+  dof_start[0] = 0;
+  for (int group = 0; group < trees; ++group) {
+    // those without a contact take no room
+    const bool any = by.start[group + 1] > by.start[group];
+    dof_start[group + 1] = dof_start[group] + (any ? dofs[group] : 0);
+  }
   law::BodyRow* part = scratch.Take<law::BodyRow>(2 * size);
   mjtNum* diagonal = scratch.Take<mjtNum>(size);
-  dof_start[0] = 0;
-  for (int tree = 0; tree < m->ntree; ++tree) {
-    // those without a contact take no room
-    const bool any = by.start[tree + 1] > by.start[tree];
-    dof_start[tree + 1] = dof_start[tree] + (any ? m->tree_dofnum[tree] : 0);
-  }
-  mjtNum* work = scratch.Take<mjtNum>(3 * dof_start[m->ntree]);
+  mjtNum* work = scratch.Take<mjtNum>(3 * dof_start[trees]);
   auto* rows = new (scratch.Take<law::BodyRows>(1))
-      law::BodyRows{static_cast<int>(m->ntree), dof_start, part, by.start, by.contact, work,
-                    scratch.Take<int>(m->ntree)};
+      law::BodyRows{trees, dof_start, part, by.start, by.contact, work, scratch.Take<int>(trees)};
   for (int k = 0; k < size; ++k) {
+    int first = -1;
     for (int i = 0; i < 2; ++i) {
       const auto& [tree, jacobian, inverse_inertia] = row[k].segment[i];
-      part[2 * k + i] = {tree, jacobian, inverse_inertia};
+      const int group = tree < 0 ? -1 : mobility.Group(tree);
+      part[2 * k + i] = {-1, nullptr, nullptr};
+      if (group < 0 || group == first) continue;
+      first = group;
+      part[2 * k + i] = mobility.ties() == 0
+                            ? law::BodyRow{tree, jacobian, inverse_inertia}
+                            : GroupRow(m, mobility, row[k], group, offset, dofs[group], scratch);
     }
     diagonal[k] = law::Coupling(*rows, k, k);
   }
   return {size, nullptr, nullptr, nullptr, diagonal, rows};
 }
 
-// Of W, counted without building it.
-void CountCouplings(const mjModel* m, const ByTree& by, size_t* couplings, size_t* dofs) {
-  *couplings = *dofs = 0;
-  for (int tree = 0; tree < m->ntree; ++tree) {
-    const size_t contacts = by.start[tree + 1] - by.start[tree];
-    *couplings += contacts * contacts;
-    *dofs += contacts * m->tree_dofnum[tree];
-  }
-}
-
 }  // namespace
 
-size_t DelassusBytes(const mjModel* m, const Mobility& mobility, int size, size_t couplings,
-                     size_t dofs) {
-  const size_t lists = (5 * m->ntree + 4 * size + 8) * sizeof(int) + size * sizeof(mjtNum);
-  if (IsByBody(mobility, couplings, dofs)) {
-    return lists + 2 * size * sizeof(law::BodyRow) + 3 * dofs * sizeof(mjtNum);
+int* GroupDofs(const mjModel* m, const Mobility& mobility, int* offset, Scratch& scratch) {
+  int* dofs = scratch.Take<int>(m->ntree);
+  std::fill_n(dofs, m->ntree, 0);
+  for (int tree = 0; tree < m->ntree; ++tree) {
+    int& of_group = dofs[mobility.Group(tree)];
+    if (offset) offset[tree] = of_group;
+    of_group += m->tree_dofnum[tree];
   }
-  const size_t ties = static_cast<size_t>(mobility.ties()) * (size + 1) * sizeof(mjtNum);
-  return lists + ties + couplings * (sizeof(mjtNum) + sizeof(int));
+  return dofs;
+}
+
+size_t DelassusBytes(const mjModel* m, const Mobility& mobility, int contacts,
+                     const DelassusSize& size) {
+  const size_t lists = (7 * m->ntree + 4 * contacts + 8) * sizeof(int) + contacts * sizeof(mjtNum);
+  if (IsByBody(size)) {
+    return lists + 2 * contacts * sizeof(law::BodyRow) +
+           (5 * size.dofs + 4 * m->nv) * sizeof(mjtNum);
+  }
+  const size_t ties = static_cast<size_t>(mobility.ties()) * (contacts + 1) * sizeof(mjtNum);
+  return lists + ties + size.couplings * (sizeof(mjtNum) + sizeof(int));
 }
 
 law::DelassusMatrix BuildDelassus(const mjModel* m, const Mobility& mobility, const ContactRow* row,
                                   int size, Scratch& scratch) {
   const ByTree by = SortByTree(m, mobility, row, size, scratch);
-  size_t couplings, dofs;
-  CountCouplings(m, by, &couplings, &dofs);
-  return IsByBody(mobility, couplings, dofs) ? ByBody(m, row, size, by, scratch)
-                                             : CompressedRows(m, mobility, row, size, by, scratch);
+  const int* dofs = GroupDofs(m, mobility, nullptr, scratch);
+  DelassusSize counted{0, 0};
+  for (int group = 0; group < m->ntree; ++group) {
+    const size_t contacts = by.start[group + 1] - by.start[group];
+    counted.couplings += contacts * contacts;
+    counted.dofs += contacts * dofs[group];
+  }
+  return IsByBody(counted) ? ByBody(m, mobility, row, size, by, scratch)
+                           : CompressedRows(m, mobility, row, size, by, scratch);
 }
 
 }  // namespace mujoco_impact::engine

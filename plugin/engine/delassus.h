@@ -13,10 +13,19 @@
 
 namespace mujoco_impact::engine {
 
-// Bytes of scratch for a matrix of `size` contacts with that many couplings, and degrees of freedom
-// summed over their rows.
-size_t DelassusBytes(const mjModel* m, const Mobility& mobility, int size, size_t couplings,
-                     size_t dofs);
+// Sums over the bodies of an island, tied ones together: the squares of their numbers of contacts,
+// and for each contact the degrees of freedom of its bodies.
+struct DelassusSize {
+  size_t couplings, dofs;
+};
+
+// Degrees of freedom of each tree, or of all trees that are tied to it at the one that stands for
+// them (ntree); `offset`, unless null, gets where each tree begins among them.
+int* GroupDofs(const mjModel* m, const Mobility& mobility, int* offset, Scratch& scratch);
+
+// Bytes of scratch for the matrix of so many contacts.
+size_t DelassusBytes(const mjModel* m, const Mobility& mobility, int contacts,
+                     const DelassusSize& size);
 
 // W = J M̃⁻¹ Jᵀ in the form in which it is cheaper to multiply by; the rows must stay where they
 // are.

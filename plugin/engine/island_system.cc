@@ -42,21 +42,27 @@ void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau
 size_t IslandBytes(const mjModel* m, const mjData* d, const Mobility& mobility,
                    const Gathered& contacts, const int* position, int count, Scratch& scratch) {
   // a contact couples with every contact of its trees
-  int* on_tree = scratch.Take<int>(m->ntree);
-  std::fill_n(on_tree, m->ntree, 0);
-  size_t dofs = 0, couples = 0;
+  int* on_group = scratch.Take<int>(m->ntree);
+  std::fill_n(on_group, m->ntree, 0);
+  const int* group_dofs = GroupDofs(m, mobility, nullptr, scratch);
+  size_t dofs = 0;
+  DelassusSize size{0, 0};
   for (int i = 0; i < count; ++i) {
-    const auto [first, second] = TreesOf(m, d->contact[contacts.contact[position[i]]]).tree;
-    for (const int tree : {first, second == first ? -1 : second}) {
+    int last = -1;
+    for (const int tree : TreesOf(m, d->contact[contacts.contact[position[i]]]).tree) {
       if (tree < 0) continue;
       dofs += m->tree_dofnum[tree];
-      couples += 2 * on_tree[mobility.Group(tree)]++ + 1;
+      const int group = mobility.Group(tree);
+      if (group == last) continue;
+      last = group;
+      size.couplings += 2 * on_group[group]++ + 1;
+      size.dofs += group_dofs[group];
     }
   }
   // of the laws and the resolution
   constexpr size_t kPerContact = 832;
-  return DelassusBytes(m, mobility, count, couples, dofs) +
-         count * (sizeof(ContactRow) + kPerContact) + (2 * dofs + m->nv) * sizeof(mjtNum);
+  return DelassusBytes(m, mobility, count, size) + count * (sizeof(ContactRow) + kPerContact) +
+         (2 * dofs + m->nv) * sizeof(mjtNum);
 }
 
 IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobility,
