@@ -18,11 +18,13 @@ namespace mujoco_impact::engine {
 namespace {
 
 // Bytes of mjData's stack that a step with impacts takes besides those of its islands: at most
-// this many vectors of the length of each, MuJoCo's own in the functions we call included.
+// this many vectors of the length of each, MuJoCo's own in the functions we call included, and a
+// factor of the inertia.
 size_t StepBytes(const mjModel* m, const mjData* d) {
   constexpr size_t kVectors = 48;
   const size_t numbers = m->nq + m->nv + m->nbody + m->ntree + m->nu;
-  return kVectors * numbers * sizeof(mjtNum) + d->ncon * (sizeof(ContactAnchor) + kVectors * 4);
+  return (kVectors * numbers + m->nC) * sizeof(mjtNum) +
+         d->ncon * (sizeof(ContactAnchor) + kVectors * 4);
 }
 
 }  // namespace
