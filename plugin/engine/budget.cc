@@ -6,26 +6,29 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-// What MuJoCo takes, about: for a degree of freedom, a number of the inertia matrix, a contact
-// [ns].
-constexpr double kPerDof = 800, kPerInertia = 40, kPerContact = 500;
+// What a step takes MuJoCo at least [ns]: for a degree of freedom, a number of the inertia matrix,
+// a contact within the gap, and one that touches.
+constexpr double kPerDof = 300, kPerInertia = 20, kPerContact = 100, kPerTouch = 300;
 
-// What impacts may take, over that: half of what a step may, for not all of it is counted.
-constexpr double kConstant = 1.5e6, kOfMujoco = 10;
+// What impacts may take, over that: not all of it is counted, and a step may take 20 times and 2
+// ms.
+constexpr double kConstant = 1.7e6, kOfMujoco = 12;
 
 }  // namespace
 
-Budget::Budget(const mjModel* m, const mjData* d)
-    : total_(kConstant +
-             kOfMujoco * (kPerDof * m->nv + kPerInertia * m->nM + kPerContact * d->ncon)) {}
+Budget::Budget(const mjModel* m, const Gathered& contacts) {
+  const auto touches = std::count_if(contacts.lowest, contacts.lowest + contacts.count,
+                                     [](mjtNum gap) { return gap <= 0; });
+  const double of_contacts = kPerContact * contacts.count + kPerTouch * touches;
+  total_ = kConstant + kOfMujoco * (kPerDof * m->nv + kPerInertia * m->nM + of_contacts);
+}
 
 void Budget::SpendRound(const mjModel* m, const Gathered& contacts) {
-  constexpr double kPerBody = 400, kPerVelocity = 50, kPerPath = 500, kPerContact = 50;
+  constexpr double kPerBody = 400, kPerVelocity = 50, kPerPath = 500, kPerAny = 50;
   most_for_rows_ = std::max(most_for_rows_, for_rows_);
   for_rows_ = 0;
   const auto paths = std::count(contacts.relevant, contacts.relevant + contacts.count, true);
-  Spend(kPerBody * m->nbody + kPerVelocity * m->nv + kPerPath * paths +
-        kPerContact * contacts.count);
+  Spend(kPerBody * m->nbody + kPerVelocity * m->nv + kPerPath * paths + kPerAny * contacts.count);
 }
 
 void Budget::SpendRow(const mjModel* m, const ContactRow& row) {

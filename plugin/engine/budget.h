@@ -20,7 +20,7 @@ namespace mujoco_impact::engine {
 
 class Budget {
  public:
-  Budget(const mjModel* m, const mjData* d);
+  Budget(const mjModel* m, const Gathered& contacts);
 
   void Spend(double work) { spent_ += work; }
   double spent() const { return spent_; }
@@ -47,7 +47,7 @@ class Budget {
     return std::max(0.0, total_ - spent_ - std::max(for_rows_, most_for_rows_));
   }
 
-  double total_, spent_ = 0;
+  double total_ = 0, spent_ = 0;
   double for_rows_ = 0, most_for_rows_ = 0;  // of this round, and of the dearest one before
 };
 

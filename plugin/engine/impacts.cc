@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "engine/budget.h"
 #include "engine/config.h"
 #include "engine/friction.h"
 #include "engine/gather.h"
@@ -31,19 +32,19 @@ constexpr mjtNum kShortPulses = 0.5;
 class Resolver {
  public:
   Resolver(const mjModel* m, mjData* d, int instance, const Mobility& mobility, State& state,
-           Budget& budget, Delivery& delivery, Scratch& scratch)
+           Delivery& delivery, Scratch& scratch)
       : m_(m),
         d_(d),
         ownership_(m, instance),
         config_(ReadConfig(m, instance, ownership_.size(), nullptr)),
         mobility_(mobility),
         state_(state),
-        budget_(budget),
         delivery_(delivery),
         scratch_(scratch),
         bent_(ActiveEnd(state) > kShortPulses * m->opt.timestep),
         impacts_(bent_ ? MakeDelivery(m, scratch) : delivery),
         contacts_(GatherContacts(m, d, ownership_, scratch)),
+        budget_(m, contacts_),
         struck_(m, d, mobility, scratch) {}
 
   void Run();
@@ -69,12 +70,12 @@ class Resolver {
   const Config config_;
   const Mobility& mobility_;
   State& state_;
-  Budget& budget_;
   Delivery& delivery_;
   Scratch& scratch_;
   const bool bent_;         // pulses under way last on and bend the path
   const Delivery impacts_;  // what comes at times within the step
   Gathered contacts_;
+  Budget budget_;
   Struck struck_;
   bool last_ = false;  // no further round is possible
   mjtNum flight_ = 0;
@@ -262,6 +263,7 @@ void Resolver::AnchorAll() {
 
 void Resolver::Run() {
   RunRounds();
+  state_.header().work = budget_.spent();
   if (bent_) AddTo(m_, impacts_, delivery_);
 }
 
@@ -293,8 +295,8 @@ void Resolver::RunRounds() {
 }  // namespace
 
 void ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
-                    State& state, Budget& budget, Delivery& delivery, Scratch& scratch) {
-  Resolver(m, d, instance, mobility, state, budget, delivery, scratch).Run();
+                    State& state, Delivery& delivery, Scratch& scratch) {
+  Resolver(m, d, instance, mobility, state, delivery, scratch).Run();
 }
 
 }  // namespace mujoco_impact::engine

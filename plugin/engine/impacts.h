@@ -10,7 +10,6 @@
 
 #include <mujoco/mujoco.h>
 
-#include "engine/budget.h"
 #include "engine/deliver.h"
 #include "engine/mobility.h"
 #include "engine/scratch.h"
@@ -21,7 +20,7 @@ namespace mujoco_impact::engine {
 // Resolves every impact of the step and adds what it exerts in it to `delivery`. New pulses are
 // left pending in the state.
 void ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
-                    State& state, Budget& budget, Delivery& delivery, Scratch& scratch);
+                    State& state, Delivery& delivery, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

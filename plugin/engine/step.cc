@@ -53,11 +53,7 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   const Mobility mobility(m, d, scratch);
   Delivery delivery = MakeDelivery(m, scratch);
   if (pulses) DeliverActive(m, d, mobility, state, delivery, scratch);
-  if (closing) {
-    Budget budget(m, d);
-    ResolveImpacts(m, d, instance, mobility, state, budget, delivery, scratch);
-    state.header().work = budget.spent();
-  }
+  if (closing) ResolveImpacts(m, d, instance, mobility, state, delivery, scratch);
   if (pulses && state.header().pending_pulses > 0) {
     EndOverfullByImpacts(m, d, mobility, state, delivery, scratch);
   }

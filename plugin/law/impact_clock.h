@@ -25,8 +25,8 @@ constexpr double kSameImpactTimes = 5;
 
 // Multiplications that an attempted step costs: so many products by W, and what is done by lane.
 inline double StepCost(const Lanes& lanes, int products) {
-  constexpr double kPerLane = 10;
-  return products * lanes.product_cost() + kPerLane * lanes.padded();
+  constexpr double kPerLane = 10, kConstant = 80;
+  return products * lanes.product_cost() + kPerLane * lanes.padded() + kConstant;
 }
 
 // And what it costs to let contacts in and out, or to find the next that closes.
