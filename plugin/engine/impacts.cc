@@ -77,7 +77,8 @@ class Resolver {
   Gathered contacts_;
   Budget budget_;
   Struck struck_;
-  bool last_ = false;  // no further round is possible
+  bool last_ = false;   // no further round is possible
+  mjtNum stiffer_ = 1;  // λ of the bodies in this step
   mjtNum flight_ = 0;
   mjtNum round_end_ = 0;  // when the first impact of the round is over
   mjtNum left_ = 0;       // when the first contact closes that took no part in it
@@ -129,7 +130,8 @@ bool Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
   for (int k = 0; k < count; ++k) budget_.SpendRow(m_, system.row[k]);
   const mjtNum* velocity = SettledVelocity(m_, outlook, time.tau, scratch);
   Impact* impacts = scratch.Take<Impact>(count);
-  ResolveIsland(m_, config_, ownership_, system, time, velocity, budget_, impacts, scratch);
+  ResolveIsland(m_, config_, ownership_, system, time, velocity, budget_, &stiffer_, impacts,
+                scratch);
   if (config_.friction) {
     AddFriction(m_, d_, config_, outlook.motion, time.tau, velocity, system, impacts, scratch);
   }

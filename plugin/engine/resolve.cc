@@ -102,15 +102,21 @@ bool SetCommonPulse(const Config& config, const IslandSystem& system, const Impa
 // closes after a flight is left for later accordingly. Where all that is not enough, contacts share
 // one pulse. Returns whether the impulses come at once.
 bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem& system,
-                      ImpactTime time, Budget& budget, IslandProblem& problem) {
+                      ImpactTime time, Budget& budget, mjtNum* stiffer, IslandProblem& problem) {
   constexpr int kTrials = 5;
   bool at_once = false;
+  mjtNum all_less = 1;
   const auto stiffen = [&](mjtNum less) {
+    all_less *= less;
+    *stiffer = std::min(*stiffer, all_less);
     mju_scl(problem.stiffness, problem.stiffness, std::pow(less, -2.5), problem.size);
     time.flight *= less;
   };
   // within the bounds, or rounding would decide
-  if (const mjtNum less = CloseLess(m, config, system, problem); less < 1) stiffen(0.9 * less);
+  const mjtNum less_at_once = CloseLess(m, config, system, problem);
+  if (const mjtNum less = std::min(less_at_once < 1 ? 0.9 * less_at_once : 1, *stiffer); less < 1) {
+    stiffen(less);
+  }
   for (int i = 0;; ++i) {
     const bool over = SolveHertz(config, system, time, budget, problem);
     mjtNum less = std::min(CompressLess(m, system, problem), TurnLess(system, problem));
@@ -163,7 +169,7 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
 
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   Budget& budget, Impact* impacts, Scratch& scratch) {
+                   Budget& budget, mjtNum* stiffer, Impact* impacts, Scratch& scratch) {
   IslandProblem problem = MakeProblem(m, config, system, velocity, scratch);
   const int first = ReferenceOf(problem, time.first);
   const mjtNum speed = problem.closing_speed[first];
@@ -178,7 +184,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   mjtNum* alpha = scratch.Zeros(system.size);
   bool at_once = false;
   if (config.law == Law::kHertz) {
-    at_once = SolveWithinDepth(m, config, system, time, budget, problem);
+    at_once = SolveWithinDepth(m, config, system, time, budget, stiffer, problem);
     // α_k = P_k / P_ref, P_ref = (1 + e) μ u of the contact that closes first
     mju_scl(alpha, problem.impulse, 1 / ((1 + e) * reduced_mass * speed), system.size);
   } else {

@@ -43,11 +43,12 @@ struct ImpactTime {
 // faster, of both together if neither does [kg].
 mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const mjtNum* velocity);
 
-// `velocity` is what the bodies have at τ when all pulses under way have been delivered (nv).
-// `impacts` has room for system.size.
+// `stiffer` is the least λ of the step so far: bodies that had to be stiffer in one round, y ~ λ,
+// begin so in the next. `velocity` is what the bodies have at τ when all pulses under way have been
+// delivered (nv). `impacts` has room for system.size.
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   Budget& budget, Impact* impacts, Scratch& scratch);
+                   Budget& budget, mjtNum* stiffer, Impact* impacts, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 
