@@ -13,12 +13,6 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-// Whether the integrator divides by M + h B, B the joint damping, instead of M.
-bool ImplicitDamping(const mjModel* m) {
-  if (m->opt.integrator == mjINT_RK4 || (m->opt.disableflags & mjDSBL_DAMPER)) return false;
-  return m->opt.integrator != mjINT_EULER || !(m->opt.disableflags & mjDSBL_EULERDAMP);
-}
-
 // The impulse by which gravity and springs differ along the bent path, as a force of the step.
 void AddDetour(const mjModel* m, mjData* d, const Mobility& mobility, const Delivery& delivery,
                mjtNum* force, Scratch& scratch) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "engine/budget.h"
 #include "engine/config.h"
 #include "engine/friction.h"
 #include "engine/gather.h"
@@ -23,10 +24,6 @@
 namespace mujoco_impact::engine {
 
 namespace {
-
-// After these rounds the rest of the step is resolved with the geometry of the last, as one
-// problem: in a crowd that would be too large.
-constexpr int kMaxRounds = 32, kMaxRoundsOfCrowd = 256;
 
 // Of a step: contacts that close after a shorter flight than this belong to the same impact. The
 // lever arms are then off by the square of the angle turned meanwhile: 1e-2 of that of a step.
@@ -51,6 +48,7 @@ class Resolver {
         impacts_(bent_ ? MakeDelivery(m, scratch) : delivery),
         kicks_(MakeKicks(m, scratch)),
         contacts_(GatherContacts(m, d, ownership_, state, kick, scratch)),
+        budget_(m, contacts_),
         struck_(m, d, mobility, scratch),
         start_(LookAhead(m, d, mobility, delivery, state.mocap(), bent_, scratch)),
         flights_(m, d, start_.motion, state.header().active > 0, scratch),
@@ -95,15 +93,16 @@ class Resolver {
   const Delivery impacts_;  // what comes at times within the step
   Kicks kicks_;
   Gathered contacts_;
+  Budget budget_;
   Struck struck_;
   const Outlook start_;
   RigidFlights flights_;
   const mjtNum* steady_;  // what gravity and other forces do to the velocities (nv)
   BodiesInStep bodies_;
   const mjtNum* path_velocity_ = nullptr;  // of the outlook of the round (nv)
-  bool there_ = false;    // the bodies are where the impact at hand begins, and so is their inertia
-  bool last_ = false;     // no further round is possible
-  bool crowded_ = false;  // an island was too large to be resolved as a whole
+  bool there_ = false;  // the bodies are where the impact at hand begins, and so is their inertia
+  bool last_ = false;   // no further round is possible
+  mjtNum stiffer_ = 1;  // λ of the bodies in this step
   mjtNum flight_ = 0;
   mjtNum round_end_ = 0;  // when the first impact of the round is over
   mjtNum left_ = 0;       // when the first contact closes that took no part in it
@@ -150,7 +149,8 @@ void Resolver::AddShare(const ContactRow& row, const ImpactTime& time, const Sha
 
 ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, int count) const {
   const mjtNum h = m_->opt.timestep;
-  ImpactTime time{outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1};
+  ImpactTime time{outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1,
+                  last_};
   for (int k = 0; k < count; ++k) {
     const int i = position[k];
     if (!contacts_.due[i]) continue;
@@ -176,11 +176,13 @@ bool Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
   }
   IslandSystem system =
       BuildIsland(m_, d_, mobility_, contacts_, position, count, outlook.motion, time.tau, scratch);
+  for (int k = 0; k < count; ++k) budget_.SpendRow(m_, system.row[k]);
   const mjtNum* velocity = SettledVelocity(m_, outlook, time.tau, scratch);
   mjtNum* acceleration = scratch.Take<mjtNum>(m_->nv);
   mju_addScl(acceleration, steady_, start_.motion.jerk, outlook.start + time.tau, m_->nv);
   Impact* impacts = scratch.Take<Impact>(count);
-  ResolveIsland(m_, config_, ownership_, system, time, velocity, acceleration, impacts, scratch);
+  ResolveIsland(m_, config_, ownership_, system, time, velocity, acceleration, budget_, &stiffer_,
+                impacts, scratch);
   if (config_.friction) {
     AddFriction(m_, d_, config_, outlook.motion, time.tau, velocity, system, impacts, scratch);
   }
@@ -226,7 +228,6 @@ bool Resolver::ResolvePartOf(const Outlook& outlook, ImpactTime time, const int*
   if (last_ || !IsCrowded(m_, d_, contacts_, position, count)) {
     return ResolveIslandOf(outlook, time, position, count);
   }
-  crowded_ = true;
   Scratch scratch(d_);
   const Islands part =
       ReachedPart(m_, d_, mobility_, outlook, position, count, contacts_, time, scratch);
@@ -240,7 +241,8 @@ bool Resolver::ResolvePartOf(const Outlook& outlook, ImpactTime time, const int*
   return ResolveIslandOf(outlook, time, part.position, part.start[1]);
 }
 
-// Resolves the island from the first contact on whose closing is an impact.
+// Resolves the island from the first contact on whose closing is an impact. What closes within the
+// flight of one that pushes nothing was part of the same problem.
 void Resolver::ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position,
                               int count) {
   while (time.first >= 0) {
@@ -248,9 +250,13 @@ void Resolver::ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int
       std::fill_n(contacts_.idle, contacts_.count, false);
       return;
     }
-    const int first = position[time.first];
-    contacts_.idle[first] = true;
-    contacts_.due[first] = false;
+    for (int k = 0; k < count; ++k) {
+      const int i = position[k];
+      if (!contacts_.due[i] || contacts_.tau[i] > time.tau + time.flight) continue;
+      contacts_.idle[i] = true;
+      contacts_.due[i] = false;
+    }
+    if (budget_.IsSpent()) return;
     time = FirstClosing(outlook, position, count);
   }
 }
@@ -276,6 +282,7 @@ bool Resolver::Approach(Outlook& outlook, const ImpactTime& time, const int* pos
   }
   for (int a = 0; a < count; ++a) contacts_.relevant[position[a]] = true;
   AnchorAll();
+  budget_.SpendRound(m_, contacts_);
   outlook = bodies_.MoveTo(time.start + time.tau, impacts_, kicks_, struck_.owed());
   FindPointsAgain(m_, d_, position, count, contacts_, scratch_);
   AnchorAll();
@@ -374,6 +381,7 @@ void Resolver::Run() {
   RunRounds();
   bodies_.PutBack();
   AddKicks(m_, d_, kicks_, impacts_, scratch_);
+  state_.header().work = budget_.spent();
   if (bent_) AddTo(m_, impacts_, delivery_);
 }
 
@@ -387,9 +395,10 @@ void Resolver::RunRounds() {
     struck_.TakeForPulses(state_, pulses_end);
     outlook = bodies_.MoveTo(pulses_end, impacts_, kicks_, nullptr);
   }
-  for (int round = 1;; ++round) {
+  for (;;) {
     if (!FindDue(m_, d_, outlook, config_.touch, struck_.busy(), contacts_, scratch_)) return;
-    last_ = round == (crowded_ ? kMaxRoundsOfCrowd : kMaxRounds);
+    budget_.SpendRound(m_, contacts_);
+    last_ = budget_.IsLow();
     flight_ = last_ ? std::numeric_limits<mjtNum>::infinity() : kSameImpact * h;
     ResolveRound(outlook);
     // a pulse that outlasts the step does not keep others from closing meanwhile

@@ -6,6 +6,7 @@
 #include <new>
 
 #include "engine/contact_stiffness.h"
+#include "engine/delassus.h"
 #include "engine/islands.h"
 #include "engine/resolve.h"
 #include "law/impact_law.h"
@@ -52,125 +53,26 @@ void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau
   SolveSegments(m, d, row.segment);
 }
 
-// J_k M⁻¹ J_lᵀ
-mjtNum Couple(const mjModel* m, const ContactRow& k, const ContactRow& l) {
-  mjtNum sum = 0;
-  for (const RowSegment& a : k.segment) {
-    for (const RowSegment& b : l.segment) {
-      if (a.tree < 0 || a.tree != b.tree) continue;
-      sum += mju_dot(a.jacobian, b.inverse_inertia, m->tree_dofnum[a.tree]);
-    }
-  }
-  return sum;
-}
-
-// J x of the ties for x = M⁻¹ J_kᵀ (ties).
-void TieRates(const Mobility& mobility, const ContactRow& row, mjtNum* rates) {
-  mju_zero(rates, mobility.ties());
-  for (const RowSegment& segment : row.segment) {
-    if (segment.tree >= 0) mobility.AddTieRates(segment.tree, segment.inverse_inertia, rates);
-  }
-}
-
-// W −= (J M⁻¹ J_tᵀ) (A + R)⁻¹ (J_t M⁻¹ Jᵀ): what the ties J_t take up.
-void AddTies(const Mobility& mobility, const IslandSystem& system, mjtNum* value, mjtNum* diagonal,
-             Scratch& scratch) {
-  const int ties = mobility.ties();
-  mjtNum* rates = scratch.Take<mjtNum>(system.size * ties);
-  mjtNum* force = scratch.Take<mjtNum>(ties);
-  for (int k = 0; k < system.size; ++k) TieRates(mobility, system.row[k], rates + k * ties);
-  const law::DelassusMatrix& W = system.delassus;
-  for (int k = 0; k < system.size; ++k) {
-    mobility.SolveTies(force, rates + k * ties);
-    for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
-      value[a] -= mju_dot(force, rates + W.column[a] * ties, ties);
-      if (W.column[a] == k) diagonal[k] = value[a];
-    }
-  }
-}
-
-// Contacts of the island by kinematic tree, tied ones together.
-struct ByTree {
-  int* start;    // (ntree + 1)
-  int* contact;  // positions in the island
-};
-
-ByTree SortByTree(const mjModel* m, const Mobility& mobility, const IslandSystem& system,
-                  Scratch& scratch) {
-  ByTree by{scratch.Take<int>(m->ntree + 2), scratch.Take<int>(2 * system.size)};
-  std::fill_n(by.start, m->ntree + 2, 0);
-  for (int k = 0; k < system.size; ++k) {
-    for (const RowSegment& segment : system.row[k].segment) {
-      if (segment.tree >= 0) ++by.start[mobility.Group(segment.tree) + 2];
-    }
-  }
-  for (int t = 2; t < m->ntree + 2; ++t) by.start[t] += by.start[t - 1];
-  for (int k = 0; k < system.size; ++k) {
-    for (const RowSegment& segment : system.row[k].segment) {
-      if (segment.tree >= 0) by.contact[by.start[mobility.Group(segment.tree) + 1]++] = k;
-    }
-  }
-  return by;
-}
-
-// Calls visit(l) once for every contact l that shares a tree with contact k, itself included.
-template <typename Visit>
-void ForNeighbours(const Mobility& mobility, const IslandSystem& system, const ByTree& by, int k,
-                   int* seen, Visit visit) {
-  for (const RowSegment& segment : system.row[k].segment) {
-    if (segment.tree < 0) continue;
-    const int group = mobility.Group(segment.tree);
-    for (int a = by.start[group]; a < by.start[group + 1]; ++a) {
-      const int l = by.contact[a];
-      if (seen[l] == k) continue;
-      seen[l] = k;
-      visit(l);
-    }
-  }
-}
-
-void BuildDelassus(const mjModel* m, const Mobility& mobility, IslandSystem& system,
-                   Scratch& scratch) {
-  const int n = system.size;
-  const ByTree by = SortByTree(m, mobility, system, scratch);
-  int* seen = scratch.Take<int>(n);
-  int* row_start = scratch.Take<int>(n + 1);
-  std::fill_n(seen, n, -1);
-  row_start[0] = 0;
-  for (int k = 0; k < n; ++k) {
-    row_start[k + 1] = row_start[k];
-    ForNeighbours(mobility, system, by, k, seen, [&](int) { ++row_start[k + 1]; });
-  }
-  int* column = scratch.Take<int>(row_start[n]);
-  mjtNum* value = scratch.Take<mjtNum>(row_start[n]);
-  mjtNum* diagonal = scratch.Take<mjtNum>(n);
-  std::fill_n(seen, n, -1);
-  for (int k = 0; k < n; ++k) {
-    int a = row_start[k];
-    ForNeighbours(mobility, system, by, k, seen, [&](int l) {
-      column[a] = l;
-      value[a] = Couple(m, system.row[k], system.row[l]);
-      if (l == k) diagonal[k] = value[a];
-      ++a;
-    });
-  }
-  system.delassus = {n, row_start, column, value, diagonal};
-  if (mobility.ties() > 0) AddTies(mobility, system, value, diagonal, scratch);
-}
-
 }  // namespace
 
 size_t IslandBytes(const mjModel* m, const mjData* d, const Mobility& mobility,
                    const Gathered& contacts, const int* position, int count, Scratch& scratch) {
   // a contact couples with every contact of its trees
-  int* on_tree = scratch.Take<int>(m->ntree);
-  std::fill_n(on_tree, m->ntree, 0);
-  size_t dofs = 0, couples = 0;
+  int* on_group = scratch.Take<int>(m->ntree);
+  std::fill_n(on_group, m->ntree, 0);
+  const int* group_dofs = GroupDofs(m, mobility, nullptr, scratch);
+  size_t dofs = 0;
+  DelassusSize size{0, 0};
   for (int i = 0; i < count; ++i) {
+    int last = -1;
     for (const int tree : TreesOf(m, *contacts.contact[position[i]]).tree) {
       if (tree < 0) continue;
       dofs += m->tree_dofnum[tree];
-      couples += 2 * on_tree[mobility.Group(tree)]++ + 1;
+      const int group = mobility.Group(tree);
+      if (group == last) continue;
+      last = group;
+      size.couplings += 2 * on_group[group]++ + 1;
+      size.dofs += group_dofs[group];
     }
   }
   // the workspace of the law, and the list of α
@@ -178,10 +80,9 @@ size_t IslandBytes(const mjModel* m, const mjData* d, const Mobility& mobility,
                       law::ImpactIndices(count) * sizeof(int) + m->ngeom * sizeof(mjtNum);
   // an IslandProblem and the lists of the Delassus matrix; what arrays are aligned by
   constexpr size_t kPerContact = 16 * sizeof(mjtNum), kAlignment = 512;
-  const size_t ties = static_cast<size_t>(mobility.ties()) * (count + 1) * sizeof(mjtNum);
-  return kAlignment + laws + ties + count * (sizeof(ContactRow) + sizeof(Impact) + kPerContact) +
-         couples * (sizeof(mjtNum) + sizeof(int)) + (2 * dofs + m->nv) * sizeof(mjtNum) +
-         4 * m->ntree * sizeof(int);
+  return kAlignment + laws + DelassusBytes(m, mobility, count, size) +
+         count * (sizeof(ContactRow) + sizeof(Impact) + kPerContact) +
+         (2 * dofs + 2 * m->nv) * sizeof(mjtNum);
 }
 
 IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobility,
@@ -201,7 +102,7 @@ IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobi
                                         {}};
     FillRow(m, d, motion, tau, *row, scratch);
   }
-  BuildDelassus(m, mobility, system, scratch);
+  system.delassus = BuildDelassus(m, mobility, system.row, count, scratch);
   return system;
 }
 

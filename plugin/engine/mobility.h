@@ -24,6 +24,8 @@ class Mobility {
   // are moved within the step.
   Mobility(const mjModel* m, mjData* d, Scratch& scratch);
 
+  mjData* data() const { return d_; }
+
   // Number of rows of equality constraints.
   int ties() const { return ties_; }
 

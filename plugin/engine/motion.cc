@@ -2,6 +2,8 @@
 
 #include "engine/motion.h"
 
+#include <algorithm>
+
 #include "engine/weight_gradient.h"
 
 namespace mujoco_impact::engine {
@@ -18,7 +20,47 @@ void AddAppliedForces(const mjModel* m, mjData* d, mjtNum* force) {
   }
 }
 
+bool HasDamping(const mjModel* m) {
+  return std::any_of(m->dof_damping, m->dof_damping + m->nv, [](mjtNum b) { return b > 0; });
+}
+
+// f ← M (M + h B)⁻¹ f: the force without what implicit damping takes of its effect. A light joint
+// with strong damping, h B ≫ M, would by M⁻¹ alone be expected to turn back within the step.
+void DampImplicitly(const mjModel* m, mjData* d, mjtNum* force, Scratch& scratch) {
+  const int nv = static_cast<int>(m->nv);
+  mjtNum* L = scratch.Take<mjtNum>(m->nC);
+  mju_copy(L, d->M, static_cast<int>(m->nC));
+  const auto diagonal = [&](int i) { return m->M_rowadr[i] + m->M_rownnz[i] - 1; };
+  for (int i = 0; i < nv; ++i) L[diagonal(i)] += m->opt.timestep * m->dof_damping[i];
+  // M + h B = Lᵀ D L from the leaves on: row i takes its part of the rows of its ancestors, whose
+  // columns are the first of its own
+  for (int i = nv - 1; i >= 0; --i) {
+    const int row = m->M_rowadr[i];
+    for (int a = diagonal(i) - 1; a >= row; --a) {
+      const mjtNum part = L[a] / L[diagonal(i)];
+      mju_addToScl(L + m->M_rowadr[m->M_colind[a]], L + row, -part, a - row + 1);
+      L[a] = part;
+    }
+  }
+  mjtNum* x = scratch.Take<mjtNum>(nv);
+  mju_copy(x, force, nv);
+  for (int i = nv - 1; i >= 0; --i) {
+    for (int a = m->M_rowadr[i]; a < diagonal(i); ++a) x[m->M_colind[a]] -= L[a] * x[i];
+  }
+  for (int i = 0; i < nv; ++i) {
+    x[i] /= L[diagonal(i)];
+    for (int a = m->M_rowadr[i]; a < diagonal(i); ++a) x[i] -= L[a] * x[m->M_colind[a]];
+  }
+  // M x = f − h B x
+  for (int i = 0; i < nv; ++i) force[i] -= m->opt.timestep * m->dof_damping[i] * x[i];
+}
+
 }  // namespace
+
+bool ImplicitDamping(const mjModel* m) {
+  if (m->opt.integrator == mjINT_RK4 || (m->opt.disableflags & mjDSBL_DAMPER)) return false;
+  return m->opt.integrator != mjINT_EULER || !(m->opt.disableflags & mjDSBL_EULERDAMP);
+}
 
 double ImpulseLag(const mjModel* m) { return m->opt.integrator == mjINT_RK4 ? 0.5 : 0; }
 
@@ -35,6 +77,7 @@ Motion PredictMotion(const mjModel* m, mjData* d, const Mobility& mobility, Scra
     mj_fwdActuation(m, d);
     mju_addTo(force, d->qfrc_actuator, nv);
   }
+  if (ImplicitDamping(m) && HasDamping(m)) DampImplicitly(m, d, force, scratch);
   mobility.Solve(motion.acceleration, force);
   mobility.AddReference(motion.acceleration);
   const mjtNum lead = m->opt.integrator == mjINT_RK4 ? 0 : 0.5 * m->opt.timestep;

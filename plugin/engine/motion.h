@@ -3,7 +3,8 @@
 //
 //   a = M⁻¹ (forces − bias)        free acceleration: gravity, springs, dampers, actuators,
 //   applied;
-//                                  M̃⁻¹ and the pull of equality constraints (mobility.h)
+//                                  M̃⁻¹ and the pull of equality constraints (mobility.h); where the
+//                                  integrator takes joint damping B implicitly, (M + h B)⁻¹ M ahead
 //   V = v + h/2 a                  Euler, implicit, implicitfast, discrete
 //   V = v                          RK4
 //   b = M⁻¹ (∂Q/∂q) V              its rate, as far as gravity and joint springs make it
@@ -33,6 +34,9 @@ struct Motion {
 // Position lag of the integrator in units of h: where within the step it thinks an impulse came
 // (0 at the start, 1/2 for Runge-Kutta, which spreads it).
 double ImpulseLag(const mjModel* m);
+
+// Whether the integrator divides by M + h B, B the joint damping, instead of M.
+bool ImplicitDamping(const mjModel* m);
 
 Motion PredictMotion(const mjModel* m, mjData* d, const Mobility& mobility, Scratch& scratch);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/contact_stiffness.h"
+#include "law/hertz_contact.h"
 #include "law/waveform.h"
 
 namespace mujoco_impact::engine {
@@ -87,6 +88,19 @@ mjtNum EndOf(const IslandProblem& problem) {
   return end;
 }
 
+mjtNum CloseLess(const IslandSystem& system, const IslandProblem& problem) {
+  mjtNum less = 1;
+  for (int k = 0; k < problem.size; ++k) {
+    const mjtNum c = problem.closing_speed[k];
+    if (c <= 0) continue;
+    const mjtNum deepest = kOfRadius / system.row[k].curvature;
+    const mjtNum y =
+        law::MaximumCompression(problem.stiffness[k], 1 / system.delassus.diagonal[k], c);
+    less = std::min(less, deepest / y);
+  }
+  return less;
+}
+
 mjtNum CompressLess(const IslandSystem& system, const IslandProblem& problem) {
   mjtNum less = 1;
   for (int k = 0; k < problem.size; ++k) {
@@ -140,16 +154,25 @@ void PressOutDents(const IslandSystem& system, IslandProblem& problem, mjtNum t)
     free[k] = problem.closing_speed[k] * t - problem.gap[k] - t * free[k];
     taken[k] = 0;
   }
-  // y = c t − g − W (P t − M), by projected Gauss-Seidel sweeps
+  // y = c t − g − W (P t − M), by projected Gauss-Seidel sweeps; by bodies, W M = J z
+  mjtNum* z = W.by_body ? W.by_body->work : nullptr;
+  if (z) law::Answer(W, problem.moment, z);
+  const auto moved = [&](int k) {
+    if (z) return law::RowTimes(*W.by_body, k, z);
+    mjtNum sum = 0;
+    law::ForRow(W, k, [&](int l, double value) { sum += value * problem.moment[l]; });
+    return sum;
+  };
   bool settled = false;
   for (int sweep = 0; sweep < kSweeps && !settled; ++sweep) {
     settled = true;
     for (int k = 0; k < problem.size; ++k) {
       if (problem.impulse[k] <= 0) continue;
       const mjtNum room = RoomWithin(system.row[k], DepthOf(system.row[k]));
-      const mjtNum excess = free[k] + law::RowTimes(W, k, problem.moment) - room;
+      const mjtNum excess = free[k] + moved(k) - room;
       const mjtNum change = std::max(excess / W.diagonal[k], -taken[k]);
       problem.moment[k] -= change;
+      if (z) law::AddAnswer(*W.by_body, k, -change, z);
       taken[k] += change;
       if (std::abs(change) * W.diagonal[k] > kOfRoom * room) settled = false;
     }

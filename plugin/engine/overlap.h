@@ -21,6 +21,9 @@ namespace mujoco_impact::engine {
 // When the last pulse is over [s].
 mjtNum EndOf(const IslandProblem& problem);
 
+// For what closes at once, each contact by itself: an estimate before the law is asked.
+mjtNum CloseLess(const IslandSystem& system, const IslandProblem& problem);
+
 // For the compressions of the Hertz law, by the peak forces of its solution, H = K y^(3/2).
 mjtNum CompressLess(const IslandSystem& system, const IslandProblem& problem);
 

@@ -23,20 +23,9 @@ mjtNum DurationFromMoment(mjtNum impulse, mjtNum moment, mjtNum onset, mjtNum re
   return std::max(kShortest, (moment / impulse - onset) / law::WaveformMoment(1, restitution));
 }
 
-// Impacts with losses may rattle on for long, for ever less, and a step of an island of thousands
-// of contacts costs as many of a small one: impacts are cut, and what still closes is one of its
-// own.
-int StepLimit(const mjModel* m, const Config& config, const IslandSystem& system) {
-  const bool lossy = config.restitution < 1;
-  const double most = (lossy ? 20000 : 100000) + 100.0 * system.size;
-  const double least = std::min(most, 2000 + 20.0 * m->ntree);
-  const double work = lossy ? 1e8 : 5e8;  // couplings [steps × nonzeros of W]
-  return static_cast<int>(std::clamp(work / system.delassus.row_start[system.size], least, most));
-}
-
-// False if the law had to cut the impact.
-bool SolveHertz(const mjModel* m, const Config& config, const IslandSystem& system,
-                const ImpactTime& time, IslandProblem& problem) {
+// False if the impact was cut short for want of work.
+bool SolveHertz(const Config& config, const IslandSystem& system, const ImpactTime& time,
+                Budget& budget, IslandProblem& problem) {
   const law::ImpactProblem impact{system.delassus,
                                   problem.closing_speed,
                                   problem.gap,
@@ -46,7 +35,8 @@ bool SolveHertz(const mjModel* m, const Config& config, const IslandSystem& syst
                                   std::min(time.horizon, time.left()),
                                   time.flight,
                                   config.tolerance,
-                                  StepLimit(m, config, system),
+                                  time.last ? 0 : budget.OfLaw(),
+                                  budget.OfEnd(),
                                   time.longest};
   for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset, problem.peak}) {
     mju_zero(solution, problem.size);
@@ -55,6 +45,7 @@ bool SolveHertz(const mjModel* m, const Config& config, const IslandSystem& syst
                                problem.peak};
   const law::ImpactReport report =
       law::SolveImpact(impact, config.passive, &solution, problem.work);
+  budget.Spend(report.work);
   for (int k = 0; k < problem.size; ++k) {
     if (problem.impulse[k] <= 0) continue;
     problem.duration[k] = DurationFromMoment(problem.impulse[k], problem.moment[k],
@@ -113,11 +104,23 @@ bool SetCommonPulse(const mjModel* m, const Config& config, const IslandSystem& 
 // closes after a flight is left for later accordingly. Where all that is not enough, contacts share
 // one pulse. Returns whether the impulses come at once.
 bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem& system,
-                      ImpactTime time, IslandProblem& problem) {
+                      ImpactTime time, Budget& budget, mjtNum* stiffer, IslandProblem& problem) {
   constexpr int kTrials = 5;
   bool at_once = false;
+  mjtNum all_less = 1;
+  const auto stiffen = [&](mjtNum less) {
+    all_less *= less;
+    *stiffer = std::min(*stiffer, all_less);
+    mju_scl(problem.stiffness, problem.stiffness, std::pow(less, -2.5), problem.size);
+    time.flight *= less;
+  };
+  // within the bounds, or rounding would decide
+  const mjtNum less_at_once = CloseLess(system, problem);
+  if (const mjtNum less = std::min(less_at_once < 1 ? 0.9 * less_at_once : 1, *stiffer); less < 1) {
+    stiffen(less);
+  }
   for (int i = 0;; ++i) {
-    const bool over = SolveHertz(m, config, system, time, problem);
+    const bool over = SolveHertz(config, system, time, budget, problem);
     mjtNum less = std::min(CompressLess(system, problem), TurnLess(system, problem));
     if (InstantRule(config) && less >= 1) {
       if (config.restitution < 1) {
@@ -130,10 +133,9 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
     if (less >= 1) return at_once;
     // an impact that does not end is none of stiffness
     if (i == kTrials || !over) break;
-    // within the bound, or rounding would decide; gaps do not shrink along, so the more later on
+    // gaps do not shrink along, so the more later on
     less *= i == 0 ? 0.9 : 0.25;
-    mju_scl(problem.stiffness, problem.stiffness, std::pow(less, -2.5), problem.size);
-    time.flight *= less;
+    stiffen(less);
   }
   return SetCommonPulse(m, config, system, time, EndOf(problem), problem);
 }
@@ -157,6 +159,13 @@ void CountForcesMeanwhile(const mjModel* m, const IslandSystem& system, const mj
   for (mjtNum* numbers : {problem.impulse, problem.moment, problem.peak}) {
     mju_scl(numbers, numbers, 1 + meanwhile / work, problem.size);
   }
+}
+
+// The contact that gives an impact its scale: the one that closes first or, if that is by rounding
+// alone, the one that closes fastest.
+int ReferenceOf(const IslandProblem& problem, int first) {
+  const mjtNum* c = problem.closing_speed;
+  return c[first] > 0 ? first : static_cast<int>(std::max_element(c, c + problem.size) - c);
 }
 
 // −ΔT over the sum of impulses.
@@ -186,9 +195,10 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
 
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   const mjtNum* acceleration, Impact* impacts, Scratch& scratch) {
+                   const mjtNum* acceleration, Budget& budget, mjtNum* stiffer, Impact* impacts,
+                   Scratch& scratch) {
   IslandProblem problem = MakeProblem(m, config, system, velocity, scratch);
-  const int first = time.first;
+  const int first = ReferenceOf(problem, time.first);
   const mjtNum speed = problem.closing_speed[first];
   std::fill_n(impacts, system.size, Impact{});
   if (speed <= 0) return;
@@ -201,7 +211,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   mjtNum* alpha = scratch.Zeros(system.size);
   bool at_once = false;
   if (config.law == Law::kHertz) {
-    at_once = SolveWithinDepth(m, config, system, time, problem);
+    at_once = SolveWithinDepth(m, config, system, time, budget, stiffer, problem);
     if (at_once) CountForcesMeanwhile(m, system, acceleration, problem);
     // α_k = P_k / P_ref, P_ref = (1 + e) μ u of the contact that closes first
     mju_scl(alpha, problem.impulse, 1 / ((1 + e) * reduced_mass * speed), system.size);

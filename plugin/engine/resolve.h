@@ -6,6 +6,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include "engine/budget.h"
 #include "engine/config.h"
 #include "engine/island_system.h"
 #include "engine/ownership.h"
@@ -34,6 +35,7 @@ struct ImpactTime {
   mjtNum horizon;   // as are those that begin to close later than this after τ [s]
   mjtNum longest;   // flight, whatever the law takes for the same impact [s]
   int first;        // which contact of the island that is
+  bool last;        // no further round will be: whatever closes is ended at once
 
   mjtNum left() const { return timestep - start - tau; }  // of the step
 };
@@ -42,11 +44,14 @@ struct ImpactTime {
 // faster, of both together if neither does [kg].
 mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const mjtNum* velocity);
 
-// `velocity` is what the bodies have at τ when all pulses under way have been delivered (nv).
-// `acceleration` is what other forces give them meanwhile (nv). `impacts` has room for system.size.
+// `stiffer` is the least λ of the step so far: bodies that had to be stiffer in one round, y ~ λ,
+// begin so in the next. `velocity` is what the bodies have at τ when all pulses under way have been
+// delivered, `acceleration` what other forces give them meanwhile (nv). `impacts` has room for
+// system.size.
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   const mjtNum* acceleration, Impact* impacts, Scratch& scratch);
+                   const mjtNum* acceleration, Budget& budget, mjtNum* stiffer, Impact* impacts,
+                   Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

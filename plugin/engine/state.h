@@ -88,6 +88,7 @@ struct Header {
   double stage_time;         // mjData.time of it
   double stage_fingerprint;  // of its position and velocity
   double later_stages;       // 1: a later stage was seen, so the step is a Runge-Kutta step
+  double work;               // that the impacts of the step took (budget.h)
 };
 
 class State {

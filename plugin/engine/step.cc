@@ -21,7 +21,8 @@ namespace mujoco_impact::engine {
 namespace {
 
 // Bytes of mjData's stack that a step with impacts takes besides those of its islands: at most
-// this many vectors of the length of each, MuJoCo's own in the functions we call included.
+// this many vectors of the length of each, MuJoCo's own in the functions we call included, and a
+// factor of the inertia.
 size_t StepBytes(const mjModel* m, const mjData* d) {
   constexpr size_t kVectors = 48;
   const size_t numbers = m->nq + m->nv + m->nbody + m->ntree + m->nu + m->nmocap;
@@ -32,7 +33,7 @@ size_t StepBytes(const mjModel* m, const mjData* d) {
     points += contact.geom[0] < 0 || FollowsFromCentres(m, contact) ? 1 : 9;
   }
   constexpr size_t kPoint = sizeof(ContactAnchor) + sizeof(mjContact) + 2 * kVectors;
-  return kVectors * numbers * sizeof(mjtNum) + points * kPoint;
+  return (kVectors * numbers + 3 * m->nC + 10 * m->nbody) * sizeof(mjtNum) + points * kPoint;
 }
 
 }  // namespace
@@ -46,6 +47,7 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   if (state.header().active > 0 || state.header().pending != 0) state.ResetUnlessSound(m, instance);
   OpenStage(m, d, state);
   DiscardPending(m, state);
+  state.header().work = 0;
   const bool pulses = state.header().active > 0;
   const mjtNum touch = state.header().touch;
   if (m->nmocap > 0) FindMocapVelocities(m, d, instance, state);

@@ -37,6 +37,7 @@ class Integrator {
   ImpactReport Run();
 
   static constexpr int kArrays = 12;
+  static constexpr int kProducts = 3;  // by W, a step
 
  private:
   void EvaluateStage(const double* y, int stage);
@@ -58,7 +59,7 @@ class Integrator {
   const bool lossless_;
   const bool drops_expansion_;
   Lanes lanes_;
-  double t_ = 0;
+  double t_ = 0, work_ = 0;
 
   // by lane
   double* rate_;  // dy/dt over c: 1, or 1/e² while expanding
@@ -242,13 +243,15 @@ int Integrator::ClosingAlone() const {
   const int k = lanes_.contact(alone);
   const SingleImpact single =
       SolveSingleImpact(1 / W.diagonal[k], c[alone], problem_.stiffness[k], problem_.restitution);
-  for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
-    const int i = lanes_.lane(W.column[a]);
-    if (i < 0 || i == alone) continue;
+  bool closes_another = false;
+  ForRow(W, k, [&](int l, double coupling) {
+    const int i = lanes_.lane(l);
+    if (i < 0 || i == alone) return;
     // the impulse changes c by at most |W_kl| P
-    const double fastest = std::max(0.0, c[i]) + std::abs(W.value[a]) * single.impulse;
-    if (-y[i] <= fastest * single.duration) return -1;
-  }
+    const double fastest = std::max(0.0, c[i]) + std::abs(coupling) * single.impulse;
+    closes_another = closes_another || -y[i] <= fastest * single.duration;
+  });
+  if (closes_another) return -1;
   if (lanes_.window().NextArrival() <= t_ + single.duration) return -1;
   for (int i = 0; i < lanes_.size(); ++i) {
     if (i != alone && c[i] > 0 && -y[i] <= c[i] * single.duration) return -1;
@@ -268,13 +271,13 @@ void Integrator::CollideAlone(int i) {
   lanes_.impulse[i] += P;
   lanes_.moment[i] += t_ * P + single.moment;
   for (int j = 0; j < lanes_.size(); ++j) lanes_.y[j] += lanes_.c[j] * T;
-  for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
-    const int j = lanes_.lane(W.column[a]);
-    if (j < 0) continue;
+  ForRow(W, k, [&](int l, double coupling) {
+    const int j = lanes_.lane(l);
+    if (j < 0) return;
     // Δy = −W_kl ∫ (T − s) F ds
-    lanes_.y[j] -= W.value[a] * (T * P - single.moment);
-    lanes_.c[j] -= W.value[a] * P;
-  }
+    lanes_.y[j] -= coupling * (T * P - single.moment);
+    lanes_.c[j] -= coupling * P;
+  });
   lanes_.y[i] = 0;
   t_ += T;
 }
@@ -282,6 +285,7 @@ void Integrator::CollideAlone(int i) {
 void Integrator::MoveWindow() {
   LeaveLateClosings(problem_, scale_, t_, lanes_);
   if (!lanes_.Move(t_)) return;
+  work_ += SearchCost(problem_, lanes_);
   EvaluateStage(lanes_.y, 0);
   if (!lossless_) SetRates();
 }
@@ -293,11 +297,13 @@ ImpactReport Integrator::Run() {
   ImpactReport report{0, true};
   int turns = 0;
   while (!IsOver(problem_, scale_, lanes_, t_)) {
-    if (report.steps == MaxSteps(problem_)) {
+    if (work_ >= problem_.work) {
       report.converged = false;
       break;
     }
+    work_ += StepCost(lanes_, kProducts);
     if (!AnyCompressed(lanes_)) {
+      work_ += SearchCost(problem_, lanes_);
       if (!FlyToNextClosing(problem_, scale_, lanes_, &t_)) break;
       MoveWindow();
       if (const int alone = ClosingAlone(); alone >= 0) {
@@ -329,7 +335,8 @@ ImpactReport Integrator::Run() {
     ++report.steps;
   }
   lanes_.Finish();
-  SpeedsAfter(problem_, solution_);
+  report.work = work_;
+  report.time = t_;
   return report;
 }
 

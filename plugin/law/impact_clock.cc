@@ -21,13 +21,12 @@ double LongestFlight(const ImpactProblem& problem, const ImpactScale& scale, dou
 
 // Whether a contact that shares a body with the one of lane i is compressed.
 bool IsPressedFromBeside(const ImpactProblem& problem, const Lanes& lanes, int i) {
-  const DelassusMatrix& W = problem.delassus;
-  const int k = lanes.contact(i);
-  for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
-    const int beside = lanes.lane(W.column[a]);
-    if (beside >= 0 && beside != i && lanes.y[beside] > 0) return true;
-  }
-  return false;
+  bool pressed = false;
+  ForNeighbours(problem.delassus, lanes.contact(i), [&](int l) {
+    const int beside = lanes.lane(l);
+    pressed = pressed || (beside >= 0 && beside != i && lanes.y[beside] > 0);
+  });
+  return pressed;
 }
 
 }  // namespace

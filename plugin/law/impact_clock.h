@@ -23,11 +23,15 @@ constexpr double kSpeedFloor = 0.1;
 // meanwhile.
 constexpr double kSameImpactTimes = 5;
 
-// Steps after which an impact that does not end is cut: light bodies that rattle between heavy ones
-// take 1e4, a wave takes 13 a contact. What still closes then is an impact of its own.
-inline int MaxSteps(const ImpactProblem& problem) {
-  const int most = 100000 + 100 * problem.delassus.size;
-  return problem.step_limit > 0 ? std::min(problem.step_limit, most) : most;
+// Multiplications that an attempted step costs: so many products by W, and what is done by lane.
+inline double StepCost(const Lanes& lanes, int products) {
+  constexpr double kPerLane = 10, kConstant = 80;
+  return products * lanes.product_cost() + kPerLane * lanes.padded() + kConstant;
+}
+
+// And what it costs to let contacts in and out, or to find the next that closes.
+inline double SearchCost(const ImpactProblem& problem, const Lanes& lanes) {
+  return 2 * lanes.product_cost() + problem.delassus.size;
 }
 
 // Whether every contact has opened, or will not close in time, at time t.

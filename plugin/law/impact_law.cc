@@ -8,6 +8,7 @@
 #include "law/impact_clock.h"
 #include "law/lanes.h"
 #include "law/passivity.h"
+#include "law/short_end.h"
 #include "law/single_impact.h"
 #include "law/viscous.h"
 
@@ -50,12 +51,14 @@ ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolut
   const int n = problem.delassus.size;
   const bool viscous = problem.dissipation == Dissipation::kViscous && problem.restitution < 1;
   if (n == 1 && !viscous) return SolveIsolated(problem, solution);
-  const ImpactReport report = viscous ? IntegrateViscous(problem, solution, workspace)
-                                      : IntegrateCompression(problem, solution, workspace);
+  ImpactReport report = viscous ? IntegrateViscous(problem, solution, workspace)
+                                : IntegrateCompression(problem, solution, workspace);
+  if (!report.converged) report.work += EndShort(problem, report.time, solution, workspace);
+  SpeedsAfter(problem, *solution);
   if (!passive) return report;
   const double s = ConservativeScale(problem.delassus, problem.closing_speed, solution->impulse,
                                      workspace.numbers);
-  // also one that was cut: what is pressed into contacts then is given back
+  // also one that was cut short, whose end by itself is plastic
   const double factor = problem.restitution == 1 ? s : std::min(1.0, s);
   if (s > 0 && s < kMostScale) {
     Scale(factor, n, solution->impulse);

@@ -17,16 +17,9 @@
 
 #include <limits>
 
-namespace mujoco_impact::law {
+#include "law/delassus.h"
 
-// Delassus matrix W, symmetric positive semidefinite, in compressed rows with its diagonal.
-struct DelassusMatrix {
-  int size;
-  const int* row_start;    // (size + 1)
-  const int* column;       // (row_start[size])
-  const double* value;     // (row_start[size]) [1/kg]
-  const double* diagonal;  // (size) [1/kg], > 0
-};
+namespace mujoco_impact::law {
 
 // How energy is lost in a contact.
 enum class Dissipation {
@@ -45,7 +38,9 @@ struct ImpactProblem {
   // but for what belongs to the same impact (impact_clock.h)
   double horizon, flight;
   double tolerance;  // error allowed per step, relative to the speed and compression of the impact
-  int step_limit = 0;  // steps after which the impact is cut; 0: as many as any known one takes
+  // multiplications after which the impact is ended (short_end.h), and those that the end may
+  // take: any known impact takes less
+  double work = 1e8, work_of_end = 1e7;
   // [s] the longest flight that may belong to the same impact however long its contacts last
   double longest_flight = std::numeric_limits<double>::infinity();
 };
@@ -66,21 +61,11 @@ struct Workspace {
 };
 
 struct ImpactReport {
-  int steps;       // accepted integration steps
-  bool converged;  // false: the step limit was reached before all contacts had opened
+  int steps;        // accepted integration steps
+  bool converged;   // false: the work allowed was done before all contacts had opened
+  double work = 0;  // done, in multiplications: a nanosecond each, about
+  double time = 0;  // when the integration ended [s]
 };
-
-// Row k of W times x.
-inline double RowTimes(const DelassusMatrix& W, int k, const double* x) {
-  double sum = 0;
-  for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) sum += W.value[a] * x[W.column[a]];
-  return sum;
-}
-
-// y = W x
-inline void Multiply(const DelassusMatrix& W, const double* x, double* y) {
-  for (int k = 0; k < W.size; ++k) y[k] = RowTimes(W, k, x);
-}
 
 }  // namespace mujoco_impact::law
 

@@ -90,12 +90,17 @@ void Lanes::Load() {
     y[i] = c[i] = impulse[i] = moment[i] = stiffness[i] = 0;
   }
   LoadMatrix();
+  constexpr double kTridiagonal = 1.5;  // a lane
+  product_cost_ = tridiagonal_ ? kTridiagonal * size() : 0;
+  for (int i = 0; !tridiagonal_ && i < size(); ++i) {
+    product_cost_ += RowCost(problem_.delassus, contact(i));
+  }
 }
 
 void Lanes::LoadMatrix() {
   const DelassusMatrix& W = problem_.delassus;
-  tridiagonal_ = true;
-  for (int i = 0; i < size(); ++i) {
+  tridiagonal_ = !W.by_body;
+  for (int i = 0; tridiagonal_ && i < size(); ++i) {
     lower_[i] = middle_[i] = upper_[i] = 0;
     const int k = contact(i);
     for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
@@ -112,6 +117,7 @@ void Lanes::LoadMatrix() {
 
 void Lanes::MultiplyRows(const double* x, double* product) const {
   const DelassusMatrix& W = problem_.delassus;
+  if (W.by_body) return MultiplyByBody(*W.by_body, x, product);
   for (int i = 0; i < size(); ++i) {
     const int k = contact(i);
     double sum = 0;
@@ -121,6 +127,15 @@ void Lanes::MultiplyRows(const double* x, double* product) const {
     }
     product[i] = sum;
   }
+  if (size() < padded()) product[size()] = 0;
+}
+
+void Lanes::MultiplyByBody(const BodyRows& rows, const double* x, double* product) const {
+  std::fill_n(rows.work, rows.dofs(), 0.0);
+  for (int i = 0; i < size(); ++i) {
+    if (x[i] != 0) AddAnswer(rows, contact(i), x[i], rows.work);
+  }
+  for (int i = 0; i < size(); ++i) product[i] = RowTimes(rows, contact(i), rows.work);
   if (size() < padded()) product[size()] = 0;
 }
 

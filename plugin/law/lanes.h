@@ -29,6 +29,9 @@ class Lanes {
   int padded() const { return (size() + 1) & ~1; }
   int contact(int i) const { return window_[i]; }
 
+  // Multiplications in W x, about.
+  double product_cost() const { return product_cost_; }
+
   // The lane of a contact; −1 if it is outside the window.
   int lane(int contact) const { return lane_[contact]; }
 
@@ -63,6 +66,7 @@ class Lanes {
   void Store();
   void LoadMatrix();
   void MultiplyRows(const double* x, double* product) const;
+  void MultiplyByBody(const BodyRows& rows, const double* x, double* product) const;
   bool MustMove(double t) const;
 
   const ImpactProblem& problem_;
@@ -74,6 +78,7 @@ class Lanes {
   double* matters_;                   // by lane: 1 if it keeps its neighbours in the window
   double *lower_, *middle_, *upper_;  // W, if lanes couple with their neighbours only
   bool tridiagonal_ = false;
+  double product_cost_ = 0;
 };
 
 }  // namespace mujoco_impact::law

@@ -33,6 +33,7 @@ class Integrator {
   ImpactReport Run();
 
   static constexpr int kArrays = 2 + 3 * kStages;
+  static constexpr int kProducts = 2 * kStages;  // by W a step, the longer sums by lane included
 
  private:
   void EvaluateStage(const double* y, const double* c, int stage);
@@ -46,7 +47,7 @@ class Integrator {
   const ImpactScale scale_;
   const double damping_;  // x / c_ref [s/m]
   Lanes lanes_;
-  double t_ = 0;
+  double t_ = 0, work_ = 0;
   // by lane: the step tried, and F, W F, c at the stages
   double *y_new_, *c_new_;
   double *force_[kStages], *pull_[kStages], *speed_[kStages];
@@ -139,7 +140,9 @@ void Integrator::Accept(double h) {
 
 void Integrator::MoveWindow() {
   LeaveLateClosings(problem_, scale_, t_, lanes_);
-  if (lanes_.Move(t_)) EvaluateStage(lanes_.y, lanes_.c, 0);
+  if (!lanes_.Move(t_)) return;
+  work_ += SearchCost(problem_, lanes_);
+  EvaluateStage(lanes_.y, lanes_.c, 0);
 }
 
 ImpactReport Integrator::Run() {
@@ -147,11 +150,13 @@ ImpactReport Integrator::Run() {
   double h = first_step;
   ImpactReport report{0, true};
   while (!IsOver(problem_, scale_, lanes_, t_)) {
-    if (report.steps == MaxSteps(problem_)) {
+    if (work_ >= problem_.work) {
       report.converged = false;
       break;
     }
+    work_ += StepCost(lanes_, kProducts);
     if (!AnyCompressed(lanes_)) {
+      work_ += SearchCost(problem_, lanes_);
       if (!FlyToNextClosing(problem_, scale_, lanes_, &t_)) break;
       MoveWindow();
       h = std::min(h, first_step);
@@ -168,7 +173,8 @@ ImpactReport Integrator::Run() {
   for (int k = 0; k < problem_.delassus.size; ++k) {
     solution_.impulse[k] = std::max(0.0, solution_.impulse[k]);
   }
-  SpeedsAfter(problem_, solution_);
+  report.work = work_;
+  report.time = t_;
   return report;
 }
 

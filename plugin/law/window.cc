@@ -41,6 +41,7 @@ Window::Window(const ImpactProblem& problem, const ImpactSolution& solution,
     c_left_[k] = problem.closing_speed[k];
     if (whole_) member_[size_++] = k;
   }
+  if (const BodyRows* rows = problem.delassus.by_body) std::fill_n(rows->mark, rows->bodies, 0);
   next_arrival_ = NextArrival();
 }
 
@@ -80,6 +81,11 @@ int Window::AdmitArrivals(int count, double t, double* y, double* c) {
 void Window::NeighbourSums(int k, double* impulse, double* moment) const {
   const DelassusMatrix& W = problem_.delassus;
   *impulse = *moment = 0;
+  if (const BodyRows* rows = W.by_body) {
+    *impulse = RowTimes(*rows, k, rows->work + rows->dofs());
+    *moment = RowTimes(*rows, k, rows->work + 2 * rows->dofs());
+    return;
+  }
   for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
     *impulse += W.value[a] * solution_.impulse[W.column[a]];
     *moment += W.value[a] * solution_.moment[W.column[a]];
@@ -101,27 +107,49 @@ void Window::Leave(int k, double t, const double* y, const double* c) {
   c_left_[k] = c[k];
 }
 
+// Visits the contacts of the bodies of contact k, those of each body once in a generation.
+template <typename Visit>
+void Window::ForBodies(int k, Visit visit) {
+  const BodyRows& rows = *problem_.delassus.by_body;
+  for (int i = 2 * k; i < 2 * k + 2; ++i) {
+    const int body = rows.part[i].body;
+    if (body < 0 || rows.mark[body] == generation_) continue;
+    rows.mark[body] = generation_;
+    for (int a = rows.contact_start[body]; a < rows.contact_start[body + 1]; ++a) {
+      visit(rows.contact[a]);
+    }
+  }
+}
+
 void Window::Move(double t, double* y, double* c) {
   if (whole_) return;
   const DelassusMatrix& W = problem_.delassus;
+  if (const BodyRows* rows = W.by_body) {
+    Answer(W, solution_.impulse, rows->work + rows->dofs());
+    Answer(W, solution_.moment, rows->work + 2 * rows->dofs());
+  }
   std::swap(member_, previous_);
   ++generation_;
   // previous members carry an odd mark until they are taken again
   for (int i = 0; i < size_; ++i) seen_[previous_[i]] = 2 * generation_ - 1;
   int number = AdmitArrivals(size_, t, y, c);
   size_ = 0;
+  const auto take = [&](int l) {
+    if (IsMember(l)) return;
+    if (seen_[l] != 2 * generation_ - 1) {
+      Enter(l, t, y, c);
+      previous_[number++] = l;  // it may matter to its own neighbours at once
+    }
+    seen_[l] = 2 * generation_;
+    member_[size_++] = l;
+  };
   for (int i = 0; i < number; ++i) {
     const int k = previous_[i];
     if (!Matters(y[k], c[k])) continue;
-    for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
-      const int l = W.column[a];
-      if (IsMember(l)) continue;
-      if (seen_[l] != 2 * generation_ - 1) {
-        Enter(l, t, y, c);
-        previous_[number++] = l;  // it may matter to its own neighbours at once
-      }
-      seen_[l] = 2 * generation_;
-      member_[size_++] = l;
+    if (W.by_body) {
+      ForBodies(k, take);
+    } else {
+      ForNeighbours(W, k, take);
     }
   }
   for (int i = 0; i < number; ++i) {

@@ -51,6 +51,8 @@ class Window {
 
   double Arrival(int k) const;
   bool IsMember(int k) const { return seen_[k] == 2 * generation_; }
+  template <typename Visit>
+  void ForBodies(int k, Visit visit);
   int AdmitArrivals(int count, double t, double* y, double* c);
   void Enter(int k, double t, double* y, double* c);
   void Leave(int k, double t, const double* y, const double* c);

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Delassus matrix of an island, from its rows.
+
+#ifndef MUJOCO_IMPACT_ENGINE_DELASSUS_H_
+#define MUJOCO_IMPACT_ENGINE_DELASSUS_H_
+
+#include <mujoco/mujoco.h>
+
+#include "engine/island_system.h"
+#include "engine/mobility.h"
+#include "engine/scratch.h"
+#include "law/delassus.h"
+
+namespace mujoco_impact::engine {
+
+// Sums over the bodies of an island, tied ones together: the squares of their numbers of contacts,
+// and for each contact the degrees of freedom of its bodies.
+struct DelassusSize {
+  size_t couplings, dofs;
+};
+
+// Degrees of freedom of each tree, or of all trees that are tied to it at the one that stands for
+// them (ntree); `offset`, unless null, gets where each tree begins among them.
+int* GroupDofs(const mjModel* m, const Mobility& mobility, int* offset, Scratch& scratch);
+
+// Bytes of scratch for the matrix of so many contacts.
+size_t DelassusBytes(const mjModel* m, const Mobility& mobility, int contacts,
+                     const DelassusSize& size);
+
+// W = J M̃⁻¹ Jᵀ in the form in which it is cheaper to multiply by; the rows must stay where they
+// are.
+law::DelassusMatrix BuildDelassus(const mjModel* m, const Mobility& mobility, const ContactRow* row,
+                                  int size, Scratch& scratch);
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_DELASSUS_H_
