@@ -44,7 +44,7 @@ class Resolver {
         bent_(ActiveEnd(state) > kShortPulses * m->opt.timestep),
         impacts_(bent_ ? MakeDelivery(m, scratch) : delivery),
         contacts_(GatherContacts(m, d, ownership_, scratch)),
-        budget_(m, contacts_),
+        budget_(m, config_, contacts_),
         struck_(m, d, mobility, scratch) {}
 
   void Run();
