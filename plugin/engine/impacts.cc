@@ -100,8 +100,7 @@ void Resolver::AddImpact(const ContactRow& row, const Impact& impact) {
 
 ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, int count) const {
   const mjtNum h = m_->opt.timestep;
-  ImpactTime time{outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1,
-                  last_};
+  ImpactTime time{outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1};
   for (int k = 0; k < count; ++k) {
     const int i = position[k];
     if (!contacts_.due[i]) continue;
