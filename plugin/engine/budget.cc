@@ -14,13 +14,17 @@ constexpr double kPerDof = 300, kPerInertia = 20, kPerContact = 100, kPerTouch =
 // ms.
 constexpr double kConstant = 1.7e6, kOfMujoco = 12;
 
+// An elastic impact takes as long as its wave, and does not rattle; to end it costs the most.
+constexpr double kElastic = 3;
+
 }  // namespace
 
-Budget::Budget(const mjModel* m, const Gathered& contacts) {
+Budget::Budget(const mjModel* m, const Config& config, const Gathered& contacts) {
   const auto touches = std::count_if(contacts.lowest, contacts.lowest + contacts.count,
                                      [](mjtNum gap) { return gap <= 0; });
   const double of_contacts = kPerContact * contacts.count + kPerTouch * touches;
   total_ = kConstant + kOfMujoco * (kPerDof * m->nv + kPerInertia * m->nM + of_contacts);
+  if (config.restitution == 1) total_ *= kElastic;
 }
 
 void Budget::SpendRound(const mjModel* m, const Gathered& contacts) {

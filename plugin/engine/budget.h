@@ -13,6 +13,7 @@
 
 #include <algorithm>
 
+#include "engine/config.h"
 #include "engine/gather.h"
 #include "engine/island_system.h"
 
@@ -20,7 +21,7 @@ namespace mujoco_impact::engine {
 
 class Budget {
  public:
-  Budget(const mjModel* m, const Gathered& contacts);
+  Budget(const mjModel* m, const Config& config, const Gathered& contacts);
 
   void Spend(double work) { spent_ += work; }
   double spent() const { return spent_; }

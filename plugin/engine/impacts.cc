@@ -48,7 +48,7 @@ class Resolver {
         impacts_(bent_ ? MakeDelivery(m, scratch) : delivery),
         kicks_(MakeKicks(m, scratch)),
         contacts_(GatherContacts(m, d, ownership_, state, kick, scratch)),
-        budget_(m, contacts_),
+        budget_(m, config_, contacts_),
         struck_(m, d, mobility, scratch),
         start_(LookAhead(m, d, mobility, delivery, state.mocap(), bent_, scratch)),
         flights_(m, d, start_.motion, state.header().active > 0, scratch),
@@ -149,8 +149,7 @@ void Resolver::AddShare(const ContactRow& row, const ImpactTime& time, const Sha
 
 ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, int count) const {
   const mjtNum h = m_->opt.timestep;
-  ImpactTime time{outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1,
-                  last_};
+  ImpactTime time{outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1};
   for (int k = 0; k < count; ++k) {
     const int i = position[k];
     if (!contacts_.due[i]) continue;

@@ -35,7 +35,7 @@ bool SolveHertz(const Config& config, const IslandSystem& system, const ImpactTi
                                   std::min(time.horizon, time.left()),
                                   time.flight,
                                   config.tolerance,
-                                  time.last ? 0 : budget.OfLaw(),
+                                  budget.OfLaw(),
                                   budget.OfEnd(),
                                   time.longest};
   for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset, problem.peak}) {

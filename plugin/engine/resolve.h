@@ -35,7 +35,6 @@ struct ImpactTime {
   mjtNum horizon;   // as are those that begin to close later than this after τ [s]
   mjtNum longest;   // flight, whatever the law takes for the same impact [s]
   int first;        // which contact of the island that is
-  bool last;        // no further round will be: whatever closes is ended at once
 
   mjtNum left() const { return timestep - start - tau; }  // of the step
 };
