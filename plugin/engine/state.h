@@ -82,13 +82,13 @@ struct Header {
   double touch;           // the attribute, for the scan that every step pays [m]
   double capacity;        // bound of the geoms owned, for which there is room
   double pending_pulses;  // of them, new pulses
-  double pressed_until;   // on the clock: when the last pulse presses no more [s]
   // Runge-Kutta: the forces of its first stage are held for the other three
   double stage_open;         // 1: a first stage has been computed since the last advance
   double stage_time;         // mjData.time of it
   double stage_fingerprint;  // of its position and velocity
   double later_stages;       // 1: a later stage was seen, so the step is a Runge-Kutta step
   double work;               // that the impacts of the step took (budget.h)
+  double pressed_until;      // on the clock: when the last pulse presses no more [s]
 };
 
 class State {
