@@ -42,6 +42,9 @@ class Budget {
   void SpendRound(const mjModel* m, const Gathered& contacts);
   void SpendRow(const mjModel* m, const ContactRow& row);
 
+  // What it costs to ask the narrow phase where so many pairs of geoms touch.
+  void SpendPairs(int pairs) { Spend(1e4 * pairs); }
+
  private:
   // Without what the rows of a last round may take.
   double left() const {

@@ -107,9 +107,10 @@ bool IsOnPath(const mjModel* m, const mjContact& contact) {
   return FollowsFromCentres(m, contact) && KeepsInertia(m, first) && KeepsInertia(m, second);
 }
 
-void FindPointsAgain(const mjModel* m, mjData* d, const int* position, int count,
-                     Gathered& gathered, Scratch& scratch) {
+int FindPointsAgain(const mjModel* m, mjData* d, const int* position, int count, Gathered& gathered,
+                    Scratch& scratch) {
   mjContact* points = scratch.Take<mjContact>(kMostPoints);
+  int asked = 0;
   for (int a = 0; a < count; ++a) {
     const int first = position[a];
     mjContact like = *gathered.contact[first];
@@ -117,6 +118,7 @@ void FindPointsAgain(const mjModel* m, mjData* d, const int* position, int count
     bool done = false;
     for (int b = 0; b < a && !done; ++b) done = SamePair(*gathered.contact[position[b]], like);
     if (done) continue;
+    ++asked;
     const int known = gathered.count;
     const int number = FindPoints(m, d, like, gathered.farthest, points);
     // a point that is gone is as good as one that is far away
@@ -131,6 +133,7 @@ void FindPointsAgain(const mjModel* m, mjData* d, const int* position, int count
       Replace(m, d, points[next], gathered.count++, gathered);
     }
   }
+  return asked;
 }
 
 bool AnyMayClose(const mjModel* m, mjData* d, const MocapRecord* mocap, mjtNum touch) {

@@ -51,9 +51,10 @@ Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership,
 bool IsOnPath(const mjModel* m, const mjContact& contact);
 
 // Asks MuJoCo's narrow phase where the contacts among `position` that are not on a path touch now.
-// Points that are gone are relevant no more; new ones are appended.
-void FindPointsAgain(const mjModel* m, mjData* d, const int* position, int count,
-                     Gathered& gathered, Scratch& scratch);
+// Points that are gone are relevant no more; new ones are appended. Returns the number of pairs
+// asked.
+int FindPointsAgain(const mjModel* m, mjData* d, const int* position, int count, Gathered& gathered,
+                    Scratch& scratch);
 
 // The anchor of contact k, made while the bodies are still where MuJoCo found the contacts.
 const ContactAnchor& Anchor(const mjModel* m, const mjData* d, Gathered& gathered, int k);

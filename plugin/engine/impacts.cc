@@ -68,8 +68,8 @@ class Resolver {
   Islands FindRound(const Outlook& outlook, Scratch& scratch);
   bool IsOnPath(const int* position, int count) const;
   bool Approach(Outlook& outlook, const ImpactTime& time, const int* position, int count);
-  bool ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, const int* position,
-                       int count);
+  bool AnyFlies(const IslandSystem& system) const;
+  bool ResolveIslandOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
   void ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
   ImpactTime FirstClosing(const Outlook& outlook, const int* position, int count) const;
   static void ComeAtOnce(const ImpactTime& time, int count, Impact* impacts);
@@ -149,7 +149,7 @@ void Resolver::AddShare(const ContactRow& row, const ImpactTime& time, const Sha
 
 ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, int count) const {
   const mjtNum h = m_->opt.timestep;
-  ImpactTime time{outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1};
+  ImpactTime time{outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1, h};
   for (int k = 0; k < count; ++k) {
     const int i = position[k];
     if (!contacts_.due[i]) continue;
@@ -160,8 +160,16 @@ ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, i
   return time;
 }
 
+bool Resolver::AnyFlies(const IslandSystem& system) const {
+  return std::any_of(system.row, system.row + system.size, [this](const ContactRow& row) {
+    return std::any_of(row.segment, row.segment + 2, [this](const RowSegment& segment) {
+      return segment.tree >= 0 && flights_.Has(segment.tree);
+    });
+  });
+}
+
 // False if no contact pushes.
-bool Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, const int* position,
+bool Resolver::ResolveIslandOf(const Outlook& outlook, ImpactTime time, const int* position,
                                int count) {
   Scratch scratch(d_);
   size_t bytes = IslandBytes(m_, d_, mobility_, contacts_, position, count, scratch);
@@ -176,6 +184,9 @@ bool Resolver::ResolveIslandOf(const Outlook& outlook, const ImpactTime& time, c
   IslandSystem system =
       BuildIsland(m_, d_, mobility_, contacts_, position, count, outlook.motion, time.tau, scratch);
   for (int k = 0; k < count; ++k) budget_.SpendRow(m_, system.row[k]);
+  // a tumbling body turns away from a pulse that lasts, whose line stays as it was
+  constexpr mjtNum kShortSteps = 4;
+  if (AnyFlies(system)) time.short_of = kShortSteps * m_->opt.timestep;
   const mjtNum* velocity = SettledVelocity(m_, outlook, time.tau, scratch);
   mjtNum* acceleration = scratch.Take<mjtNum>(m_->nv);
   mju_addScl(acceleration, steady_, start_.motion.jerk, outlook.start + time.tau, m_->nv);
@@ -283,7 +294,7 @@ bool Resolver::Approach(Outlook& outlook, const ImpactTime& time, const int* pos
   AnchorAll();
   budget_.SpendRound(m_, contacts_);
   outlook = bodies_.MoveTo(time.start + time.tau, impacts_, kicks_, struck_.owed());
-  FindPointsAgain(m_, d_, position, count, contacts_, scratch_);
+  budget_.SpendPairs(FindPointsAgain(m_, d_, position, count, contacts_, scratch_));
   AnchorAll();
   return std::abs(time.tau) <= kThere * m_->opt.timestep;
 }

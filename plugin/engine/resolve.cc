@@ -127,7 +127,7 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
         PressOutDents(system, problem, std::max(EndOf(problem), time.left()));
       }
       at_once =
-          AreShorter(problem, time.timestep) && MayComeAtOnce(m, system, problem, time.left());
+          AreShorter(problem, time.short_of) && MayComeAtOnce(m, system, problem, time.left());
       if (!at_once) less = OverlapLess(m, config, system, problem);
     }
     if (less >= 1) return at_once;

@@ -35,6 +35,7 @@ struct ImpactTime {
   mjtNum horizon;   // as are those that begin to close later than this after τ [s]
   mjtNum longest;   // flight, whatever the law takes for the same impact [s]
   int first;        // which contact of the island that is
+  mjtNum short_of;  // pulses of a Hertz contact that are shorter come at once [s]
 
   mjtNum left() const { return timestep - start - tau; }  // of the step
 };

@@ -158,7 +158,7 @@ def test_an_instance_that_nothing_names_keeps_its_settings() -> None:
     settings = '<config key="restitution" value=".25"/>'
     xml = scene(
         instance=f'<instance name="second">{settings}</instance>'
-        '<instance name="impact"/>',
+        f'<instance name="impact">{settings}</instance>',
         sensor='<plugin instance="impact"/>' * 2,
     ).replace("<sensor>", f"<custom>{tuples}</custom><sensor>")
     spec = mujoco.MjSpec.from_string(xml)

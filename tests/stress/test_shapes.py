@@ -20,13 +20,7 @@ BY_NAME = {invariant.name: invariant for invariant in SHAPES.invariants}
 
 SEEDS = range(100, 160)
 
-BROKEN = {
-    "finite": "a contact made to look open in Runge-Kutta's stages has friction rows: "
-    "with an elliptic cone they blow up",
-    "impact energy": "inertia, rows and forces that depend on velocities are those of "
-    "the start of the step in which an impact comes",
-    "spin": "the contact point of an ellipsoid is that of the start of the step",
-}
+BROKEN: dict[str, str] = {}
 """Promises that the engine does not keep yet, by why."""
 
 BALL = Case(
@@ -89,8 +83,7 @@ def test_the_sample_is_worth_judging(outcomes):
     assert {tree.joint for tree in trees} == set(JOINTS)
     assert {shape for tree in trees for shape in tree.shapes} == set(GEOMS)
     judged = {v.invariant for outcome in outcomes for v in outcome.verdicts}
-    # work is not counted yet
-    assert judged == set(BY_NAME) - {"work"}
+    assert judged == set(BY_NAME)
 
 
 def test_a_seed_gives_the_same_verdicts_again(outcomes):

@@ -9,9 +9,12 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mujoco_impact.pulses import PulseReader
+from mujoco_impact.pulses import PulseReader, plugin_instances
 from mujoco_impact.runner import collected_warnings
 from mujoco_impact.trajectory import Array, Impact
+
+_WORK = 15
+"""Of the header of the plugin's state: the counted work of the last step."""
 
 _CONTACTS = int(mujoco.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS)
 """First of the types of contact rows, which are the last of all types."""
@@ -34,6 +37,8 @@ class Observation:
         missed: Impacts without a record.
         warnings: What MuJoCo warned of.
         bits: The last state, plugin state included.
+        work: Counted work of the plugin in each step, over what it allows itself if
+            every contact touches, shape (n_samples - 1,).
         seconds: Processor time of each step [s], shape (n_samples - 1,); no verdict may
             depend on it.
     """
@@ -48,6 +53,7 @@ class Observation:
     missed: int
     warnings: tuple[str, ...]
     bits: bytes
+    work: Array
     seconds: Array
 
     @property
@@ -80,7 +86,8 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
     qpos_of, qvel_of = np.zeros((steps + 1, model.nq)), np.zeros((steps + 1, model.nv))
     busy = np.zeros(steps + 1, dtype=bool)
     begun, pushed = np.zeros(steps, dtype=np.int64), np.zeros(steps, dtype=bool)
-    seconds = np.zeros(steps)
+    work, seconds = np.zeros(steps), np.zeros(steps)
+    instances = plugin_instances(model)
     pulses = PulseReader(model, data)
     until = -np.inf
     qpos_of[0], qvel_of[0] = data.qpos, data.qvel
@@ -90,6 +97,7 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
             begin = time.thread_time()
             mujoco.mj_step(model, data)
             seconds[step] = time.thread_time() - begin
+            work[step] = _work(model, data, instances)
             qpos_of[step + 1], qvel_of[step + 1] = data.qpos, data.qvel
             # a step finds the contacts of the state that it starts from
             limited = limited or _is_limiting(data)
@@ -115,8 +123,16 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
         missed=pulses.missed,
         warnings=tuple(messages),
         bits=bits,
+        work=work,
         seconds=seconds,
     )
+
+
+def _work(model: mujoco.MjModel, data: mujoco.MjData, instances: list[int]) -> float:
+    """Returns the counted work of a step over its budget (plugin/engine/budget.cc)."""
+    done = sum(data.plugin_state[model.plugin_stateadr[i] + _WORK] for i in instances)
+    own = 300.0 * model.nv + 20.0 * model.nM + 400.0 * data.ncon
+    return float(done) / (3.0 * (1.7e6 + 12.0 * float(own)))
 
 
 def _is_pushing(data: mujoco.MjData) -> bool:

@@ -75,6 +75,11 @@ class Case:
     clearance: float
     steps: int
 
+    @property
+    def has_arms(self) -> bool:
+        """Whether any tree has several joints, so that its inertia changes."""
+        return any(tree.links > 1 or tree.joint == "planar" for tree in self.trees)
+
     def describe(self) -> str:
         """Returns the case in one line."""
         trees = ", ".join(

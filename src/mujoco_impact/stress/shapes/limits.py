@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from functools import partial
 
+import mujoco
+import numpy as np
+
 from mujoco_impact.stress.promises import Limit
 from mujoco_impact.stress.shapes.evidence import Evidence
 from mujoco_impact.stress.shapes.invariants import GROWTH, axis_missed, kept_spin
-from mujoco_impact.stress.shapes.stretches import stretches
+from mujoco_impact.stress.shapes.stretches import Stretch, stretches
+
+SECOND_ORDER = 5.0
+"""Growth of the energy over the square of the angle turned in a step."""
 
 LEVER = 10.0
 """Change of spin that an arm explains, over the arm: (1 + e) m u a = 2/5 m r² ω, and as
@@ -25,6 +31,43 @@ def _is_integration(evidence: Evidence, *, native: bool) -> bool:
         for stretch in stretches(evidence)
         if stretch.native == native and stretch.growth > GROWTH
     )
+
+
+def _is_second_order(evidence: Evidence) -> bool:
+    """Whether energy grows by no more than what is left out of bent paths."""
+    offending = [
+        stretch
+        for stretch in stretches(evidence)
+        if not stretch.native
+        and stretch.growth > max(GROWTH, stretch.integration)
+        and (evidence.case.has_arms or stretch.last > stretch.first)
+    ]
+    return bool(offending) and all(
+        stretch.growth <= SECOND_ORDER * _turn(evidence, stretch) ** 2
+        for stretch in offending
+    )
+
+
+def _turn(evidence: Evidence, stretch: Stretch) -> float:
+    """Returns the largest angle of a joint in a step of the stretch [rad]."""
+    model = evidence.scene.model
+    velocities = evidence.run.qvel[stretch.first : stretch.last + 2]
+    turning = [np.abs(velocities[:, _rotations(model, joint)]) for joint in
+               range(model.njnt)]  # fmt: skip
+    fastest = max((float(part.max()) for part in turning if part.size), default=0.0)
+    return fastest * float(model.opt.timestep)
+
+
+def _rotations(model: mujoco.MjModel, joint: int) -> list[int]:
+    """Returns the degrees of freedom of a joint that turn its body."""
+    first = int(model.jnt_dofadr[joint])
+    turning = {
+        mujoco.mjtJoint.mjJNT_FREE: range(3, 6),
+        mujoco.mjtJoint.mjJNT_BALL: range(3),
+        mujoco.mjtJoint.mjJNT_HINGE: range(1),
+    }
+    kind = mujoco.mjtJoint(model.jnt_type[joint])
+    return [first + dof for dof in turning.get(kind, range(0))]
 
 
 def _misses_axis(evidence: Evidence) -> bool:
@@ -54,6 +97,21 @@ LIMITS = (
         "Euler's step takes from one that falls",
         frozenset({"contact energy"}),
         partial(_is_integration, native=True),
+        ours_only=False,
+    ),
+    Limit(
+        "bent arms",
+        "a tree of several joints, whose inertia changes along the path that an impact "
+        "bends, or a pulse longer than a step; growth up to 5 times the square of the "
+        "angle that a joint turns in a step",
+        frozenset({"impact energy"}),
+        _is_second_order,
+    ),
+    Limit(
+        "MuJoCo pushes",
+        "MuJoCo's own contacts push bodies apart, as they do without the plugin",
+        frozenset({"contact energy"}),
+        lambda _evidence: True,
         ours_only=False,
     ),
     Limit(
