@@ -172,7 +172,7 @@ bool Resolver::AnyFlies(const IslandSystem& system) const {
 bool Resolver::ResolveIslandOf(const Outlook& outlook, ImpactTime time, const int* position,
                                int count) {
   Scratch scratch(d_);
-  size_t bytes = IslandBytes(m_, d_, mobility_, contacts_, position, count, scratch);
+  size_t bytes = IslandBytes(m_, mobility_, contacts_, position, count, scratch);
   if (config_.friction) bytes += FrictionBytes(m_, bytes);
   if (!scratch.Fits(bytes)) {
     mju_warning(

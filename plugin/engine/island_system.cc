@@ -55,8 +55,8 @@ void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau
 
 }  // namespace
 
-size_t IslandBytes(const mjModel* m, const mjData* d, const Mobility& mobility,
-                   const Gathered& contacts, const int* position, int count, Scratch& scratch) {
+size_t IslandBytes(const mjModel* m, const Mobility& mobility, const Gathered& contacts,
+                   const int* position, int count, Scratch& scratch) {
   // a contact couples with every contact of its trees
   int* on_group = scratch.Take<int>(m->ntree);
   std::fill_n(on_group, m->ntree, 0);

@@ -44,8 +44,8 @@ struct IslandSystem {
 };
 
 // Bytes of scratch that the island of the contacts at these positions takes.
-size_t IslandBytes(const mjModel* m, const mjData* d, const Mobility& mobility,
-                   const Gathered& contacts, const int* position, int count, Scratch& scratch);
+size_t IslandBytes(const mjModel* m, const Mobility& mobility, const Gathered& contacts,
+                   const int* position, int count, Scratch& scratch);
 
 // Builds the rows at time τ on the path of `motion`.
 IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobility,

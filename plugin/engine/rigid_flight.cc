@@ -198,7 +198,7 @@ struct RigidFlights::Flight {
 
 RigidFlights::Flight& RigidFlights::Of(int tree) const { return flights_[index_[tree]]; }
 
-RigidInertia::RigidInertia(const mjModel* m, const mjData* d, int tree) : tree(tree) {
+RigidInertia::RigidInertia(const mjModel* m, const mjData* d, int tree) {
   const int begin = m->tree_dofadr[tree], body = m->dof_bodyid[begin];
   mass = m->body_subtreemass[body];
   offset =

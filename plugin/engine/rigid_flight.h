@@ -39,7 +39,6 @@ struct RigidState {
 
 // The inertia of a kinematic tree that is one free rigid body.
 struct RigidInertia {
-  int tree;
   mjtNum mass;
   Vector3 offset;     // of the centre of mass from the joint, in the body [m]
   mjtNum matrix[9];   // J about the centre of mass, in the body [kg m²]

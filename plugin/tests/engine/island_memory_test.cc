@@ -7,10 +7,12 @@
 #include <limits>
 #include <string>
 
+#include "engine/budget.h"
 #include "engine/friction.h"
 #include "engine/gather.h"
 #include "engine/island_system.h"
 #include "engine/resolve.h"
+#include "engine/state.h"
 #include "tests/engine/scene.h"
 
 namespace mujoco_impact::engine {
@@ -96,13 +98,14 @@ TEST_P(IslandMemory, AnIslandTakesNoMoreThanItAsksFor) {
   const Delivery delivery = MakeDelivery(m, scratch);
   const Ownership ownership(m, 0);
   const Config config = ReadConfig(m, 0, ownership.size(), nullptr);
-  const Outlook outlook = LookAhead(m, d, mobility, delivery, false, scratch);
-  Gathered contacts = GatherContacts(m, d, ownership, scratch);
+  const Outlook outlook = LookAhead(m, d, mobility, delivery, nullptr, false, scratch);
+  State state(m, d, 0);
+  Gathered contacts = GatherContacts(m, d, ownership, state, nullptr, scratch);
   ASSERT_TRUE(FindDue(m, d, outlook, config.touch, scratch.Zeros(static_cast<int>(m->ntree)),
                       contacts, scratch));
   int* position = scratch.Take<int>(contacts.count);
   const mjtNum h = m->opt.timestep, ever = std::numeric_limits<mjtNum>::infinity();
-  ImpactTime time{0, ever, h, 0.1 * h, h, ever, -1};
+  ImpactTime time{0, ever, h, 0.1 * h, h, ever, -1, h};
   for (int k = 0; k < contacts.count; ++k) {
     position[k] = k;
     Anchor(m, d, contacts, k);
@@ -112,7 +115,7 @@ TEST_P(IslandMemory, AnIslandTakesNoMoreThanItAsksFor) {
   }
 
   Scratch inside(d);
-  size_t asked = IslandBytes(m, d, mobility, contacts, position, contacts.count, inside);
+  size_t asked = IslandBytes(m, mobility, contacts, position, contacts.count, inside);
   if (config.friction) asked += FrictionBytes(m, asked);
   const size_t before = d->pstack;
   d->maxuse_stack = 0;
@@ -120,7 +123,11 @@ TEST_P(IslandMemory, AnIslandTakesNoMoreThanItAsksFor) {
                                     outlook.motion, time.tau, inside);
   const mjtNum* velocity = SettledVelocity(m, outlook, time.tau, inside);
   Impact* impacts = inside.Take<Impact>(contacts.count);
-  ResolveIsland(m, config, ownership, system, time, velocity, impacts, inside);
+  const mjtNum* acceleration = inside.Zeros(static_cast<int>(m->nv));
+  Budget budget(m, config, contacts);
+  mjtNum stiffer = 1;
+  ResolveIsland(m, config, ownership, system, time, velocity, acceleration, budget, &stiffer,
+                impacts, inside);
   if (config.friction) {
     AddFriction(m, d, config, outlook.motion, time.tau, velocity, system, impacts, inside);
   }
