@@ -5,7 +5,8 @@ external forces that MuJoCo knows of; ours is a passive force and neither. Measu
 a ball that strikes a plate: `touch` and `contact` read 0, `tactile` the overlap, a
 tenth of what MuJoCo's contact needs; `force` and `torque` read the impulse over the
 timestep in the joint of the body that was struck, though it did not pass there, and are
-right for what hangs on that body. Accelerometers are right, as averages over the step.
+right for what hangs on that body. Accelerometers are right, as averages over the step,
+but on a single free body that is no ball: its velocity is set when the step ends.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ BLIND = {
     int(SENSOR.mjSENS_TACTILE): "tactile",
     int(SENSOR.mjSENS_FORCE): "force",
     int(SENSOR.mjSENS_TORQUE): "torque",
+    int(SENSOR.mjSENS_ACCELEROMETER): "accelerometer",
 }
 """Kinds of sensors that impacts of the plugin mislead."""
 
@@ -80,6 +82,9 @@ def _is_misled(
     place = int(model.sensor_objid[sensor])
     if kind == SENSOR.mjSENS_TOUCH:
         return bool(bodies[model.site_bodyid[place]])
+    if kind == SENSOR.mjSENS_ACCELEROMETER:
+        body = int(model.site_bodyid[place])
+        return bool(bodies[body]) and _tumbles(model, body)
     if kind in (SENSOR.mjSENS_FORCE, SENSOR.mjSENS_TORQUE):
         # what a body passes on to its parent is all that its subtree is struck by
         return bool(bodies[_subtree(model, int(model.site_bodyid[place]))].any())
@@ -87,6 +92,17 @@ def _is_misled(
     if kind == SENSOR.mjSENS_CONTACT:
         ends.append((int(model.sensor_objtype[sensor]), place))
     return all(_holds(model, what, number, struck, bodies) for what, number in ends)
+
+
+def _tumbles(model: mujoco.MjModel, body: int) -> bool:
+    """Returns whether a body is a free one by itself, and no ball."""
+    tree = int(model.body_treeid[body])
+    if tree < 0 or model.tree_dofnum[tree] != 6:
+        return False
+    joint = int(model.dof_jntid[model.tree_dofadr[tree]])
+    inertia = model.body_inertia[body]
+    ball = np.ptp(inertia) <= 1e-9 * inertia.max() and not model.body_ipos[body].any()
+    return model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE and not ball
 
 
 def _holds(

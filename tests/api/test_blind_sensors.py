@@ -93,3 +93,19 @@ def test_what_the_warning_says_is_true() -> None:
     assert sums["tip"] == pytest.approx(0.1 * impulse / 1.1, rel=1e-5)
     reading = read_sensor(data.sensordata[sensor_slice(model)])
     np.testing.assert_allclose(reading.impulse[[0, -1]], impulse, rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("shape", "named"), [('type="box" size=".02 .03 .04"', True), ('size=".02"', False)]
+)
+def test_the_accelerometer_of_a_tumbling_body_is_named(shape: str, named: bool) -> None:
+    """Its velocity is set when the step ends; that of a ball is changed by a force."""
+    scene = f"""<mujoco><worldbody><geom type="plane" size="1 1 1"/>
+      <body name="it" pos="0 0 .3"><freejoint/><geom name="it" {shape}/>
+        <site name="it"/></body></worldbody>
+      <sensor><accelerometer name="s" site="it"/></sensor></mujoco>"""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        attach(scene)
+    told = [str(one.message) for one in caught if "accelerometer" in str(one.message)]
+    assert bool(told) == named
