@@ -322,6 +322,7 @@ void Resolver::ResolveRound(Outlook& outlook) {
         if (FindDue(m_, d_, outlook, config_.touch, struck_.busy(), contacts_, scratch_)) continue;
         there_ = false;
         round_end_ = left_ = outlook.start;
+        struck_.BeginRound(outlook.motion);
         return;
       }
     }
