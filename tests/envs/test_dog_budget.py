@@ -10,6 +10,7 @@ from mujoco_impact import envs
 WORK = 15  # in the header of the state, see plugin/README.md
 
 
+@pytest.mark.filterwarnings("ignore:MuJoCo.s sensors")
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
 @pytest.mark.parametrize(
     "options", [{}, {"depth": 1e-6}], ids=["default depth", "1 um"]
