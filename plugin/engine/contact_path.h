@@ -32,7 +32,7 @@ inline bool MayClose(const mjModel* m, const mjData* d, const mjContact& contact
                      const MocapRecord* mocap, mjtNum touch) {
   const mjtNum c = ClosingSpeed(m, d, contact, mocap);
   if (c <= 0 || contact.dist - c * m->opt.timestep >= -touch) return false;
-  return !IsCarried(contact) || c > SmallestCarriedSpeed(m, d);
+  return !IsCarried(contact) || c > LargestRestSpeed(m, d);
 }
 
 // A contact as two points of its bodies, so that its gap is known wherever the bodies are.

@@ -51,7 +51,6 @@ bool SamePair(const mjContact& a, const mjContact& b) {
 
 // Room for the points that pairs may touch in beyond those that they have now.
 int RoomForPoints(const mjModel* m, const mjContact* const* contacts, int count) {
-  constexpr int kMorePoints = 8;
   int room = 0;
   for (int k = 0; k < count; ++k) {
     const bool first = k == 0 || !SamePair(*contacts[k - 1], *contacts[k]);
@@ -86,18 +85,26 @@ void Replace(const mjModel* m, const mjData* d, const mjContact& point, int k, G
   gathered.anchored[k] = false;
   gathered.relevant[k] = true;
   gathered.idle[k] = gathered.due[k] = gathered.near[k] = false;
-  gathered.lowest[k] = LowestGap(m, d, point, gathered.mocap, nullptr);
+  gathered.lowest[k] = LowestGap(m, d, point, gathered.mocap, gathered.kick);
 }
 
-// As MayClose, for a contact whose distance is in doubt.
-bool MayCloseAfterAll(const mjModel* m, mjData* d, const mjContact& contact,
-                      const MocapRecord* mocap, mjtNum touch) {
-  Scratch scratch(d);
-  if (!scratch.Fits(kMostPoints * sizeof(mjContact))) return true;
-  mjContact* points = scratch.Take<mjContact>(kMostPoints);
-  const int number = FindPoints(m, d, contact, contact.dist, points);
-  return std::any_of(points, points + number,
-                     [&](const mjContact& point) { return MayClose(m, d, point, mocap, touch); });
+// Whether `may_close` holds for any contact that is offered, as it is or, where its distance is in
+// doubt, as it is found again.
+template <typename Predicate>
+bool AnyOffered(const mjModel* m, mjData* d, Predicate may_close) {
+  for (int i = 0; i < d->ncon; ++i) {
+    const mjContact& contact = d->contact[i];
+    if (!IsOffered(contact)) continue;
+    if (may_close(contact)) return true;
+    if (!IsDoubtful(m, d, i)) continue;
+    Scratch scratch(d);
+    // the step asks for more, and says so
+    if (!scratch.Fits(NarrowPhaseBytes(m))) return true;
+    mjContact* points = scratch.Take<mjContact>(kMostPoints);
+    const int number = FindPoints(m, d, contact, contact.dist, points);
+    if (std::any_of(points, points + number, may_close)) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -107,8 +114,11 @@ bool IsOnPath(const mjModel* m, const mjContact& contact) {
   return FollowsFromCentres(m, contact) && KeepsInertia(m, first) && KeepsInertia(m, second);
 }
 
-int FindPointsAgain(const mjModel* m, mjData* d, const int* position, int count, Gathered& gathered,
-                    Scratch& scratch) {
+int FindPointsAgain(const mjModel* m, mjData* d, const int* position, int count,
+                    Gathered& gathered) {
+  Scratch scratch(d);
+  // what a step asks for covers it; the points of before are better than the end of the process
+  if (!scratch.Fits(NarrowPhaseBytes(m))) return 0;
   mjContact* points = scratch.Take<mjContact>(kMostPoints);
   int asked = 0;
   for (int a = 0; a < count; ++a) {
@@ -137,23 +147,15 @@ int FindPointsAgain(const mjModel* m, mjData* d, const int* position, int count,
 }
 
 bool AnyMayClose(const mjModel* m, mjData* d, const MocapRecord* mocap, mjtNum touch) {
-  for (int i = 0; i < d->ncon; ++i) {
-    const mjContact& contact = d->contact[i];
-    if (!IsOffered(contact)) continue;
-    if (MayClose(m, d, contact, mocap, touch)) return true;
-    if (IsDoubtful(m, d, i) && MayCloseAfterAll(m, d, contact, mocap, touch)) return true;
-  }
-  return false;
+  return AnyOffered(
+      m, d, [&](const mjContact& contact) { return MayClose(m, d, contact, mocap, touch); });
 }
 
-bool AnyMayCloseByPulses(const mjModel* m, const mjData* d, const MocapRecord* mocap, mjtNum touch,
+bool AnyMayCloseByPulses(const mjModel* m, mjData* d, const MocapRecord* mocap, mjtNum touch,
                          const mjtNum* kick) {
-  for (int i = 0; i < d->ncon; ++i) {
-    const mjContact& contact = d->contact[i];
-    if (!IsOffered(contact)) continue;
-    if (LowestGap(m, d, contact, mocap, kick) < std::min(-touch, contact.dist)) return true;
-  }
-  return false;
+  return AnyOffered(m, d, [&](const mjContact& contact) {
+    return LowestGap(m, d, contact, mocap, kick) < std::min(-touch, contact.dist);
+  });
 }
 
 Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership, State& state,
@@ -175,7 +177,9 @@ Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership,
                     contacts,
                     room > count ? scratch.Take<mjContact>(room) : nullptr,
                     0,
+                    0,
                     state.mocap(),
+                    kick,
                     scratch.Take<ContactAnchor>(room),
                     scratch.Take<bool>(room),
                     scratch.Take<mjtNum>(room),
@@ -194,7 +198,7 @@ Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership,
   }
   for (int k = 0; k < count; ++k) {
     const int i = static_cast<int>(owned[k] - d->contact);
-    if (IsDoubtful(m, d, i)) FindPointsAgain(m, d, &k, 1, gathered, scratch);
+    if (IsDoubtful(m, d, i)) gathered.asked += FindPointsAgain(m, d, &k, 1, gathered);
   }
   return gathered;
 }
@@ -220,8 +224,9 @@ void FindNear(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum 
   }
 }
 
-bool FindDue(const mjModel* m, const mjData* d, const Outlook& outlook, mjtNum touch,
-             const mjtNum* busy, Gathered& gathered, Scratch& scratch) {
+bool FindDue(const mjModel* m, mjData* d, const Outlook& outlook, mjtNum touch, const mjtNum* busy,
+             Gathered& gathered) {
+  Scratch scratch(d);
   Motion settled = outlook.motion;
   if (outlook.arrears) settled.velocity = SettledVelocity(m, outlook, 0, scratch);
   bool any = false;

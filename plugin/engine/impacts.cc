@@ -294,13 +294,15 @@ bool Resolver::Approach(Outlook& outlook, const ImpactTime& time, const int* pos
   AnchorAll();
   budget_.SpendRound(m_, contacts_);
   outlook = bodies_.MoveTo(time.start + time.tau, impacts_, kicks_, struck_.owed());
-  budget_.SpendPairs(FindPointsAgain(m_, d_, position, count, contacts_, scratch_));
+  struck_.BeginRound(outlook.motion);
+  budget_.SpendPairs(FindPointsAgain(m_, d_, position, count, contacts_));
   AnchorAll();
   return std::abs(time.tau) <= kThere * m_->opt.timestep;
 }
 
 void Resolver::ResolveRound(Outlook& outlook) {
   constexpr int kTrials = 4;
+  struck_.BeginRound(outlook.motion);
   for (int trial = 1;; ++trial) {
     Scratch scratch(d_);
     const Islands islands = FindRound(outlook, scratch);
@@ -319,10 +321,9 @@ void Resolver::ResolveRound(Outlook& outlook) {
       const int count = islands.start[order[0] + 1] - islands.start[order[0]];
       if (!IsOnPath(first, count)) {
         there_ = Approach(outlook, times[order[0]], first, count) || trial == kTrials;
-        if (FindDue(m_, d_, outlook, config_.touch, struck_.busy(), contacts_, scratch_)) continue;
+        if (FindDue(m_, d_, outlook, config_.touch, struck_.busy(), contacts_)) continue;
         there_ = false;
         round_end_ = left_ = outlook.start;
-        struck_.BeginRound(outlook.motion);
         return;
       }
     }
@@ -335,7 +336,6 @@ void Resolver::ResolveRound(Outlook& outlook) {
 void Resolver::ResolveIslands(const Outlook& outlook, const Islands& islands,
                               const ImpactTime* times, const int* order) {
   round_end_ = left_ = m_->opt.timestep;
-  struck_.BeginRound(outlook.motion);
   path_velocity_ = outlook.motion.velocity;
   for (int i = 0; i < islands.number; ++i) {
     const int island = order[i];
@@ -389,6 +389,7 @@ void Resolver::AnchorAll() {
 }
 
 void Resolver::Run() {
+  budget_.SpendPairs(contacts_.asked);
   RunRounds();
   bodies_.PutBack();
   AddKicks(m_, d_, kicks_, impacts_, scratch_);
@@ -407,7 +408,7 @@ void Resolver::RunRounds() {
     outlook = bodies_.MoveTo(pulses_end, impacts_, kicks_, nullptr);
   }
   for (;;) {
-    if (!FindDue(m_, d_, outlook, config_.touch, struck_.busy(), contacts_, scratch_)) return;
+    if (!FindDue(m_, d_, outlook, config_.touch, struck_.busy(), contacts_)) return;
     budget_.SpendRound(m_, contacts_);
     last_ = budget_.IsLow();
     flight_ = last_ ? std::numeric_limits<mjtNum>::infinity() : kSameImpact * h;

@@ -163,12 +163,4 @@ void AddAnswer(const mjModel* m, const Mobility& mobility, const ContactRow& row
   mju_addTo(x, answer, m->nv);
 }
 
-void AddRowTransposed(const mjModel* m, const ContactRow& row, mjtNum s, mjtNum* x) {
-  for (const RowSegment& segment : row.segment) {
-    if (segment.tree < 0) continue;
-    mju_addToScl(x + m->tree_dofadr[segment.tree], segment.jacobian, s,
-                 m->tree_dofnum[segment.tree]);
-  }
-}
-
 }  // namespace mujoco_impact::engine

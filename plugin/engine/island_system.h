@@ -80,9 +80,6 @@ class InertiaThere {
   mjtNum *crb_, *M_, *qLD_, *qLDiagInv_;
 };
 
-// x += J_kᵀ s
-void AddRowTransposed(const mjModel* m, const ContactRow& row, mjtNum s, mjtNum* x);
-
 }  // namespace mujoco_impact::engine
 
 #endif  // MUJOCO_IMPACT_ENGINE_ISLAND_SYSTEM_H_

@@ -56,9 +56,10 @@ void FindVelocity(const mjModel* m, const mjData* d, int mocap, MocapRecord& rec
   // no number of a damaged state is less than any
   const bool near = distance == 0 || distance <= SizeOf(m, mocap);
   record.jumped = !(near && mju_norm3(turn) <= kMostTurn);
-  const mjtNum factor = record.jumped != 0 ? 0 : rate;
-  Store(factor * shift, record.linear);
-  Store(factor * Load(turn), record.angular);
+  const bool jumped = record.jumped != 0;
+  // not by a factor of zero, which a number that is none survives
+  Store(jumped ? Vector3{} : rate * shift, record.linear);
+  Store(jumped ? Vector3{} : rate * Load(turn), record.angular);
 }
 
 }  // namespace
@@ -69,7 +70,11 @@ void FindMocapVelocities(const mjModel* m, const mjData* d, int instance, State&
     if (mocap < 0) continue;
     MocapRecord& record = state.mocap()[mocap];
     record.jumped = 0;
-    if (record.known == 0) continue;
+    if (record.known == 0) {
+      Store(Vector3{}, record.linear);
+      Store(Vector3{}, record.angular);
+      continue;
+    }
     FindVelocity(m, d, mocap, record);
     if (record.jumped == 0 || record.warned != 0) continue;
     if (Touches(m, d, Ownership(m, instance), mocap)) {

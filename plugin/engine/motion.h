@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the scene would move through the step if no contact closed.
 //
-//   a = M⁻¹ (forces − bias)        free acceleration: gravity, springs, dampers, actuators,
-//   applied;
-//                                  M̃⁻¹ and the pull of equality constraints (mobility.h); where the
-//                                  integrator takes joint damping B implicitly, (M + h B)⁻¹ M ahead
+//   a = M⁻¹ (forces − bias)        free acceleration: gravity, springs, dampers, actuators and
+//                                  applied forces; M̃⁻¹ and the pull of equality constraints
+//                                  (mobility.h); where the integrator takes joint damping B
+//                                  implicitly, (M + h B)⁻¹ M ahead
 //   V = v + h/2 a                  Euler, implicit, implicitfast, discrete
 //   V = v                          RK4
 //   b = M⁻¹ (∂Q/∂q) V              its rate, as far as gravity and joint springs make it

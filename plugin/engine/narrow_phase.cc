@@ -54,12 +54,15 @@ mjtNum SizeOf(const mjModel* m, int geom) {
   return m->geom_type[geom] == mjGEOM_PLANE ? mjMAXVAL : m->geom_rbound[geom];
 }
 
+// Curved bodies take up to about a hundred to reach rounding; the rest is reserve.
+int FineIterations(const mjModel* m) { return std::max(200, m->opt.ccd_iterations); }
+
 // The same model for a narrow phase that goes on until rounding: a normal is as good as the root of
 // the tolerance. A shallow copy; the model itself is everybody's.
 mjModel WithFineTolerance(const mjModel* m) {
   mjModel fine = *m;
   fine.opt.ccd_tolerance = 1e-15;
-  fine.opt.ccd_iterations = std::max(200, fine.opt.ccd_iterations);
+  fine.opt.ccd_iterations = FineIterations(m);
   // its further points are those of a clipped face, with the normal of the first
   fine.opt.disableflags |= mjDSBL_MULTICCD;
   return fine;
@@ -180,6 +183,11 @@ bool CanBeAsked(const mjModel* m, const mjContact& contact) {
     if (type == mjGEOM_HFIELD || type == mjGEOM_SDF) return false;
   }
   return FunctionOf(m, contact) != nullptr;
+}
+
+size_t NarrowPhaseBytes(const mjModel* m) {
+  constexpr size_t kIteration = 512, kRest = 4096;
+  return kMostPoints * sizeof(mjContact) + kIteration * FineIterations(m) + kRest;
 }
 
 bool IsDoubtful(const mjModel* m, const mjData* d, int i) {

@@ -10,6 +10,8 @@
 
 #include <mujoco/mujoco.h>
 
+#include <cstddef>
+
 namespace mujoco_impact::engine {
 
 // Whether the contact of the two geoms follows from two points fixed to their bodies.
@@ -27,6 +29,10 @@ bool IsDoubtful(const mjModel* m, const mjData* d, int i);
 
 // The most points that a pair may touch in.
 constexpr int kMostPoints = mjMAXCONPAIR;
+
+// Bytes of mjData's stack for FindPoints and the points: those of MuJoCo's general algorithm grow
+// by half a kilobyte with each of its iterations.
+size_t NarrowPhaseBytes(const mjModel* m);
 
 // Finds the points in which the geoms of `like` touch or are up to `margin` [m] apart. Each is a
 // copy of `like` with the distance, the place and the normal of its own. Returns their number.

@@ -4,8 +4,8 @@
 // The impacts of a contact are ours if one of its geoms is in the tuple that bears the instance's
 // name, and a negative margin keeps MuJoCo's solver from it while the bodies do not overlap. Deeper
 // than that margin the solver carries it, and an impact there is still ours (rest.h). Without such
-// a tuple every geom is owned. A contact between geoms of two
-// instances belongs to the first of them alone.
+// a tuple every geom is owned. A contact between geoms of two instances belongs to the first of
+// them alone.
 
 #ifndef MUJOCO_IMPACT_ENGINE_OWNERSHIP_H_
 #define MUJOCO_IMPACT_ENGINE_OWNERSHIP_H_

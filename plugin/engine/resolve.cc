@@ -155,7 +155,7 @@ void CountForcesMeanwhile(const mjModel* m, const IslandSystem& system, const mj
     work += problem.closing_speed[k] * problem.impulse[k];
     meanwhile -= RowTimes(m, system.row[k], acceleration) * problem.moment[k];
   }
-  if (std::abs(meanwhile) > kMost * work) return;
+  if (work <= 0 || std::abs(meanwhile) > kMost * work) return;
   for (mjtNum* numbers : {problem.impulse, problem.moment, problem.peak}) {
     mju_scl(numbers, numbers, 1 + meanwhile / work, problem.size);
   }

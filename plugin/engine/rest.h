@@ -26,9 +26,6 @@ namespace mujoco_impact::engine {
 // The largest u_rest of a contact that MuJoCo does not carry, and the smallest of one that it does
 // [m/s].
 mjtNum LargestRestSpeed(const mjModel* m, const mjData* d);
-inline mjtNum SmallestCarriedSpeed(const mjModel* m, const mjData* d) {
-  return LargestRestSpeed(m, d);
-}
 
 // u_rest of a contact whose gap closes with the acceleration `pressing` [m/s].
 inline mjtNum RestSpeed(const mjModel* m, const mjData* d, mjtNum pressing) {
@@ -38,7 +35,7 @@ inline mjtNum RestSpeed(const mjModel* m, const mjData* d, mjtNum pressing) {
 
 // u_rest of a contact that MuJoCo carries, each of its bodies pressed by up to `pressing` [m/s].
 inline mjtNum CarriedRestSpeed(const mjModel* m, const mjData* d, mjtNum pressing) {
-  return std::max(2 * m->opt.timestep * pressing, SmallestCarriedSpeed(m, d));
+  return std::max(2 * m->opt.timestep * pressing, LargestRestSpeed(m, d));
 }
 
 }  // namespace mujoco_impact::engine

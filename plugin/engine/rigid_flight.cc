@@ -162,6 +162,24 @@ Vector3 SpinAfter(const RigidInertia& inertia, const Vector3& unstruck, const Ve
   return found > 0 ? std::sqrt(energy / found) * spin : spin;
 }
 
+bool IsFreeBody(const mjModel* m, int tree) {
+  const int begin = m->tree_dofadr[tree];
+  return m->tree_dofnum[tree] == 6 && m->jnt_type[m->dof_jntid[begin]] == mjJNT_FREE;
+}
+
+// Whether a free body has the same inertia about all axes through its joint.
+bool IsBall(const mjModel* m, int tree) {
+  constexpr mjtNum kSame = 1e-9;
+  if (m->tree_bodynum[tree] != 1) return false;
+  const int body = m->dof_bodyid[m->tree_dofadr[tree]];
+  const mjtNum* inertia = m->body_inertia + 3 * body;
+  // as wide as the inertia tells: the body may have no geom
+  const mjtNum size = std::sqrt(inertia[0] / m->body_mass[body]);
+  return std::abs(inertia[0] - inertia[1]) <= kSame * inertia[0] &&
+         std::abs(inertia[0] - inertia[2]) <= kSame * inertia[0] &&
+         Norm(Load(m->body_ipos + 3 * body)) <= kSame * size;
+}
+
 // A row of a contact that the solver leaves alone.
 bool IsSilentRow(const mjData* d, int i) {
   const int type = d->efc_type[i];
@@ -226,25 +244,14 @@ RigidInertia::RigidInertia(const mjModel* m, const mjData* d, int tree) {
 }
 
 bool IsTumbling(const mjModel* m, int tree) {
-  constexpr mjtNum kSame = 1e-9;
-  const int begin = m->tree_dofadr[tree];
-  if (m->tree_dofnum[tree] != 6 || m->jnt_type[m->dof_jntid[begin]] != mjJNT_FREE) return false;
-  if (!mju_isZero(m->dof_armature + begin, 6)) return false;
-  if (m->tree_bodynum[tree] != 1) return true;
-  const int body = m->dof_bodyid[begin];
-  const mjtNum* inertia = m->body_inertia + 3 * body;
-  const bool ball = std::abs(inertia[0] - inertia[1]) <= kSame * inertia[0] &&
-                    std::abs(inertia[0] - inertia[2]) <= kSame * inertia[0];
-  return !ball ||
-         Norm(Load(m->body_ipos + 3 * body)) > kSame * m->geom_rbound[m->body_geomadr[body]];
+  return IsFreeBody(m, tree) && mju_isZero(m->dof_armature + m->tree_dofadr[tree], 6) &&
+         !IsBall(m, tree);
 }
 
 bool KeepsInertia(const mjModel* m, int tree) {
   if (tree < 0 || m->tree_dofnum[tree] == 1) return true;
   const int first = m->tree_dofadr[tree];
-  if (m->tree_dofnum[tree] == 6 && m->jnt_type[m->dof_jntid[first]] == mjJNT_FREE) {
-    return !IsTumbling(m, tree);
-  }
+  if (IsFreeBody(m, tree)) return IsBall(m, tree);
   for (int dof = first; dof < first + m->tree_dofnum[tree]; ++dof) {
     if (m->jnt_type[m->dof_jntid[dof]] != mjJNT_SLIDE) return false;
   }
@@ -343,7 +350,8 @@ void RigidFlights::Place(mjtNum t, mjtNum* qpos, mjtNum* qvel, mjtNum* velocity,
   }
 }
 
-void RigidFlights::Finish(State& state) {
+void RigidFlights::Finish(const mjModel* m, State& state) {
+  for (int tree = 0; tree < m->ntree; ++tree) state.flight(tree) = {};
   if (!index_) return;
   const mjtNum h = m_->opt.timestep;
   for (int tree = 0; tree < m_->ntree; ++tree) {
@@ -374,7 +382,8 @@ void RigidFlights::Finish(State& state) {
 
 void CommitFlights(const mjModel* m, mjData* d, State& state) {
   for (int tree = 0; tree < m->ntree; ++tree) {
-    if (state.flight(tree).struck == 0) continue;
+    // a state of another model of the same sizes may say so of any tree
+    if (state.flight(tree).struck != 1 || !IsTumbling(m, tree)) continue;
     const int begin = m->tree_dofadr[tree];
     const RigidInertia inertia(m, d, tree);
     mjtNum *correction = state.correction() + begin, *change = state.held_force() + begin;

@@ -50,8 +50,8 @@ struct RigidInertia {
 // Whether the tree is a free rigid body other than a ball whose centre is its joint.
 bool IsTumbling(const mjModel* m, int tree);
 
-// Whether the inertia of the tree stays as it is while its bodies move: one joint, or a free body
-// whose centre does not go around it.
+// Whether the inertia of the tree stays as it is while its bodies move: one degree of freedom,
+// slides alone, or a ball whose centre is its joint.
 bool KeepsInertia(const mjModel* m, int tree);
 
 // The tumbling bodies of a step that nothing but impacts holds: no constraint of MuJoCo, no pulse
@@ -81,7 +81,7 @@ class RigidFlights {
   void Place(mjtNum t, mjtNum* qpos, mjtNum* qvel, mjtNum* velocity, mjtNum* acceleration);
 
   // Leaves what the impacts did to each body until the end of the step pending in the state.
-  void Finish(State& state);
+  void Finish(const mjModel* m, State& state);
 
  private:
   struct Flight;

@@ -10,17 +10,20 @@
 #include "engine/motion.h"
 #include "engine/rest.h"
 #include "engine/scratch.h"
+#include "engine/step_memory.h"
 
 namespace mujoco_impact::engine {
 
 namespace {
 
-constexpr mjtNum kApart = 1e15;  // a_ref is then beyond any acceleration of a sane state [m]
+// a_ref is then beyond any acceleration of a sane state [m]; half of it tells such a row, for 1e15
+// less a depth is rounded.
+constexpr mjtNum kApart = 1e15;
 
 // Whether bodies move faster than those at rest on each other at least may.
 bool IsOnTheMove(const mjModel* m, const mjData* d, const mjContact& contact,
                  const MocapRecord* mocap) {
-  return std::abs(ClosingSpeed(m, d, contact, mocap)) > SmallestCarriedSpeed(m, d);
+  return std::abs(ClosingSpeed(m, d, contact, mocap)) > LargestRestSpeed(m, d);
 }
 
 // Whether they move faster than what presses them lets those at rest.
@@ -75,7 +78,11 @@ void SilenceMoving(const mjModel* m, mjData* d, int instance, bool pulses, State
       continue;
     }
     if (pulses || !IsOnTheMove(m, d, contact, state.mocap())) continue;
-    if (!rest) rest.emplace(m, d, state.mocap());
+    if (!rest) {
+      // without memory the impacts of the step wait (step.cc), and MuJoCo carries them meanwhile
+      if (!StepFits(m, d, Scratch(d))) return;
+      rest.emplace(m, d, state.mocap());
+    }
     if (rest->IsExceeded(contact)) Silence(d, i);
   }
 }
@@ -97,7 +104,7 @@ void Silence(mjData* d, int contact) {
 }
 
 bool IsSilent(const mjData* d, const mjContact& contact) {
-  return contact.efc_address >= 0 && d->efc_pos[contact.efc_address] >= kApart;
+  return contact.efc_address >= 0 && d->efc_pos[contact.efc_address] >= 0.5 * kApart;
 }
 
 }  // namespace mujoco_impact::engine

@@ -5,10 +5,11 @@
 //          | held force (nv) | per kinematic tree: its flight | per mocap body: pose, velocity
 //
 // It describes itself (the header holds the sizes), so that Python finds the pulses in it.
-// `compute` writes only what it has pending: slots with a negative serial, `delivered_next` of the
-// others, the correction, the held force. `advance` commits that. A repeated `compute` overwrites
-// it. Times are on the state's own clock, the seconds stepped since reset: a state restored without
-// its mjData.time goes on all the same.
+// `compute` writes what it has pending: slots with a negative serial, `delivered_next` of the
+// others, pending numbers of records, the correction, the held force, flights, velocities of mocap
+// bodies, and the work and the stage of the header. `advance` commits that. A repeated `compute`
+// overwrites it. Times are on the state's own clock, the seconds stepped since reset: a state
+// restored without its mjData.time goes on all the same.
 
 #ifndef MUJOCO_IMPACT_ENGINE_STATE_H_
 #define MUJOCO_IMPACT_ENGINE_STATE_H_
@@ -124,8 +125,9 @@ class State {
   Header* header_;
   GeomRecord* records_;
   Pulse* pulses_;
-  mjtNum* correction_;     // Δq that advance adds to the position (nv)
-  mjtNum* held_force_;     // generalized force of the first Runge-Kutta stage (nv)
+  mjtNum* correction_;  // Δq that advance adds to the position (nv)
+  // generalized force of the first Runge-Kutta stage; of a body that flies, its change of velocity
+  mjtNum* held_force_;     // (nv)
   FlightRecord* flights_;  // (ntree)
   MocapRecord* mocap_;
 };

@@ -6,7 +6,6 @@
 #include "engine/gather.h"
 #include "engine/impacts.h"
 #include "engine/mobility.h"
-#include "engine/narrow_phase.h"
 #include "engine/rigid_flight.h"
 #include "engine/runge_kutta.h"
 #include "engine/scratch.h"
@@ -15,28 +14,9 @@
 #include "engine/silence.h"
 #include "engine/slots.h"
 #include "engine/state.h"
+#include "engine/step_memory.h"
 
 namespace mujoco_impact::engine {
-
-namespace {
-
-// Bytes of mjData's stack that a step with impacts takes besides those of its islands: at most
-// this many vectors of the length of each, MuJoCo's own in the functions we call included, and a
-// factor of the inertia.
-size_t StepBytes(const mjModel* m, const mjData* d) {
-  constexpr size_t kVectors = 48;
-  const size_t numbers = m->nq + m->nv + m->nbody + m->ntree + m->nu + m->nmocap;
-  // nine: the points of other shapes are found again, and more of them
-  size_t points = 0;
-  for (int i = 0; i < d->ncon; ++i) {
-    const mjContact& contact = d->contact[i];
-    points += contact.geom[0] < 0 || FollowsFromCentres(m, contact) ? 1 : 9;
-  }
-  constexpr size_t kPoint = sizeof(ContactAnchor) + sizeof(mjContact) + 2 * kVectors;
-  return (kVectors * numbers + 3 * m->nC + 10 * m->nbody) * sizeof(mjtNum) + points * kPoint;
-}
-
-}  // namespace
 
 void ComputeStep(const mjModel* m, mjData* d, int instance) {
   State state(m, d, instance);
@@ -55,7 +35,7 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   if (!pulses && !AnyMayClose(m, d, state.mocap(), touch)) return;
 
   Scratch scratch(d);
-  if (!scratch.Fits(StepBytes(m, d))) {
+  if (!StepFits(m, d, scratch)) {
     mju_warning(
         "mujoco_impact.waveform: the impacts of a step need more memory than mjData has left and "
         "wait; raise <size memory=\"...\"/> in the model");
@@ -78,7 +58,7 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
     EndOverfullByImpacts(m, d, mobility, state, delivery, scratch);
   }
   Apply(m, d, mobility, state, delivery, scratch);
-  flights.Finish(state);
+  flights.Finish(m, state);
   RecordForces(m, instance, state);
   NoteCarried(m, d, instance, state);
   ComputeSensors(m, d, instance, true);

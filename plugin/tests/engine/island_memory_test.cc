@@ -101,8 +101,8 @@ TEST_P(IslandMemory, AnIslandTakesNoMoreThanItAsksFor) {
   const Outlook outlook = LookAhead(m, d, mobility, delivery, nullptr, false, scratch);
   State state(m, d, 0);
   Gathered contacts = GatherContacts(m, d, ownership, state, nullptr, scratch);
-  ASSERT_TRUE(FindDue(m, d, outlook, config.touch, scratch.Zeros(static_cast<int>(m->ntree)),
-                      contacts, scratch));
+  ASSERT_TRUE(
+      FindDue(m, d, outlook, config.touch, scratch.Zeros(static_cast<int>(m->ntree)), contacts));
   int* position = scratch.Take<int>(contacts.count);
   const mjtNum h = m->opt.timestep, ever = std::numeric_limits<mjtNum>::infinity();
   ImpactTime time{0, ever, h, 0.1 * h, h, ever, -1, h};
