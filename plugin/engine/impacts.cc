@@ -129,7 +129,7 @@ void Resolver::AddShare(const ContactRow& row, const ImpactTime& time, const Sha
     if (segment.tree < 0) continue;
     const int begin = m_->tree_dofadr[segment.tree], dofs = m_->tree_dofnum[segment.tree];
     const mjtNum second = SecondMoment(share);
-    if (at_once && flights_.Has(segment.tree)) {
+    if (flights_.Has(segment.tree)) {
       mjtNum* kick = scratch.Take<mjtNum>(2 * dofs);
       mju_scl(kick, segment.inverse_inertia, share.impulse, dofs);
       mju_scl(kick + dofs, segment.inverse_inertia, share.moment, dofs);

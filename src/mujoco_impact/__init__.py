@@ -2,7 +2,7 @@
 
 Importing the package registers the engine plugin `mujoco_impact.waveform`. What needs
 more than MuJoCo and NumPy (`calibrate`, `compare`, `envs`, `law`, `metrics`,
-`reference`, `rollout`) is imported when it is first used.
+`reference`, `rollout`, `sensor`) is imported when it is first used.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from mujoco_impact.scene import attach  # noqa: E402
 from mujoco_impact.trajectory import Impact, Trajectory  # noqa: E402
 
 if TYPE_CHECKING:
-    from mujoco_impact import calibration, envs, law, metrics, reference
+    from mujoco_impact import calibration, envs, law, metrics, reference, sensor
     from mujoco_impact.calibration import Calibration, calibrate
     from mujoco_impact.compare import Comparison, compare
     from mujoco_impact.rollouts import Rollouts, rollout
@@ -46,9 +46,10 @@ __all__ = [
     "reference",
     "rollout",
     "run",
+    "sensor",
 ]
 
-_MODULES = ("calibration", "envs", "law", "metrics", "reference")
+_MODULES = ("calibration", "envs", "law", "metrics", "reference", "sensor")
 _MEMBERS = {
     "Calibration": "calibration",
     "Comparison": "compare",

@@ -42,11 +42,12 @@ def warn_of_blind_sensors(model: mujoco.MjModel, owned: Sequence[str]) -> None:
     if not found:
         return
     shown = ", ".join(found[:NAMED]) + (", ..." if len(found) > NAMED else "")
+    verb = "reads" if len(found) == 1 else "read"
     warnings.warn(
         "MuJoCo's sensors do not see the impacts of the plugin: in an impact "
-        f"{shown} read 0, or a spike that is not the force there; read the plugin's "
-        "own sensor: mujoco_impact.sensor.read_sensor(data.sensordata[sensor_slice("
-        "model)])",
+        f"{shown} {verb} 0, or a spike that is not the force there; read the plugin's "
+        "own sensor: from mujoco_impact.sensor import read_sensor, sensor_slice; "
+        "read_sensor(data.sensordata[sensor_slice(model)])",
         ImpactWarning,
         stacklevel=3,
     )

@@ -1,7 +1,9 @@
 """Whether the energy of a run grew beyond what forces did.
 
 The energy that MuJoCo counts, E = potential + kinetic, may change by the work of
-actuators, applied forces and whatever moves bodies from outside, and may always shrink.
+actuators and applied forces, and may always shrink. The mass of mocap bodies is left
+out of E: they are moved by hand. What they give to bodies that they strike is the
+user's work, which nothing tells, so a run in which one of them moves is not judged.
 Work is counted where it is positive only, so that what a force takes out and gives back
 later never makes an alarm:
 
@@ -91,8 +93,8 @@ class Growth:
     def remark(self) -> Remark:
         """Returns what to say about it."""
         text = (
-            f"energy grew by {self.part:.2g} of the largest kinetic energy, beyond the "
-            f"work of forces; likely cause: {self.cause}"
+            f"energy grew by {_percent(self.part)} of the largest kinetic energy, "
+            f"beyond the work of forces; likely cause: {self.cause}"
         )
         return Remark(ENERGY, text)
 
@@ -124,8 +126,10 @@ class EnergyBalance:
         ours = plugin_instances(model)
         # energies of flexes and other plugins are not in MuJoCo's sum
         self._judged = model.nflex == 0 and model.nplugin == len(ours)
-        # moved bodies push, and constraints that start violated have energy to give
-        self._pushed = model.nmocap > 0 or bool(model.flg_surfacevel)
+        # moving surfaces push, and constraints that start violated have energy to give
+        self._pushed = bool(model.flg_surfacevel)
+        self._mocap = ("mocap_pos", "mocap_quat") if model.nmocap else ()
+        self._poses = {name: getattr(data, name).copy() for name in self._mocap}
         self._first = True
         springs = _any(model, "jnt_stiffness", "tendon_stiffness")
         dampers = _any(model, "dof_damping", "tendon_damping")
@@ -147,6 +151,7 @@ class EnergyBalance:
         self.needs = (
             *("qfrc_bias", "qfrc_constraint"),
             *{*self._passive, *self._outside, *self._plugin},
+            *self._mocap,
         )
         self._rotation = FreeRotation(model)
         self._is_euler = model.opt.integrator == _EULER
@@ -179,6 +184,9 @@ class EnergyBalance:
 
     def count(self, log: StepLog) -> None:
         """Counts the work of the logged steps."""
+        for name in self._mocap:
+            if np.any(log[name] != self._poses[name]):
+                self._judged = False
         before, after = log.before("qvel"), log["qvel"]
         way = 0.5 * float(self._model.opt.timestep) * (before + after)
         given = [_work(way, log[name]) for name in self._outside]
@@ -257,12 +265,9 @@ class EnergyBalance:
                 "fastest body"
             )
         if impacts > rest:
-            # what a body turns within the step of an impact is left out
-            tumbling = self._rotation.names and self._model.opt.integrator != _RK4
             return (
                 'the impacts added it; cure: passive="true" if it is switched off, a '
                 "smaller timestep"
-                + (', or integrator="RK4" for bodies that tumble' if tumbling else "")
             )
         # half of it, for a tumbling body is not all that Euler drives up
         tumbles = self._is_euler and self._rotation.names
@@ -277,6 +282,12 @@ class EnergyBalance:
 _GIVEN, _IMPACTS, _HELD, _FLIGHT, _POWER = range(5)
 _EULER = int(mujoco.mjtIntegrator.mjINT_EULER)
 _RK4 = int(mujoco.mjtIntegrator.mjINT_RK4)
+
+
+def _percent(part: float) -> str:
+    """Returns a part as percent, to three digits: 0.021 is "2.1 %"."""
+    percent = float(f"{100.0 * part:.3g}")
+    return f"{percent:g} %" if percent < 1e6 else f"{percent:.2e} %"
 
 
 def _work(way: Array, force: Array) -> Array:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from mujoco_impact import _plugin
 from mujoco_impact.errors import ImpactWarning, SceneError, SimulationError
 from mujoco_impact.limits import check_recording, steps_of
+from mujoco_impact.mocap_bodies import mocap_bodies, potential
 from mujoco_impact.pulses import PulseReader
 from mujoco_impact.remarks import NO_IMPACT, Remark
 from mujoco_impact.source import Source, read_spec
@@ -187,6 +188,7 @@ class _Recorder:
         # A Runge-Kutta step leaves the energy of its last stage, not of its start.
         self._runge_kutta = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         self._scratch = copy.copy(data)
+        self._by_hand = mocap_bodies(model)
         self.watch = RunWatch(model, data, every=every, controlled=controlled)
         self._sample(0)
 
@@ -196,7 +198,7 @@ class _Recorder:
         self.watch.after_step()
         if step % every == 0 and not self._runge_kutta:
             # a step computes the energy of the state that it starts from
-            self._energy[step // every] = self._data.energy
+            self._energy[step // every] = self._energy_of(self._data)
         if (step + 1) % every == 0:
             self._sample((step + 1) // every)
 
@@ -252,6 +254,8 @@ class _Recorder:
         """Returns potential and kinetic energy of a sample [J], shape (2,)."""
         self._scratch.qpos[:] = self._qpos[sample]
         self._scratch.qvel[:] = self._qvel[sample]
+        self._scratch.mocap_pos[:] = self._data.mocap_pos
+        self._scratch.mocap_quat[:] = self._data.mocap_quat
         # no more than the energies read: neither contacts nor plugins
         for stage in (
             mujoco.mj_kinematics,
@@ -262,7 +266,14 @@ class _Recorder:
             mujoco.mj_energyVel,
         ):
             stage(self._model, self._scratch)
-        return np.array(self._scratch.energy)
+        return self._energy_of(self._scratch)
+
+    def _energy_of(self, data: mujoco.MjData) -> Array:
+        """Returns the energies in `data` without the weight of mocap bodies [J]."""
+        energy: Array = np.array(data.energy)
+        if self._by_hand.size:
+            energy[0] -= potential(self._model, data, self._by_hand)
+        return energy
 
 
 def integrator_name(model: mujoco.MjModel) -> str:

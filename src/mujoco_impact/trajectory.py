@@ -100,8 +100,8 @@ class Trajectory:
         qpos: Generalized positions (joint units: [m], [rad], quaternions), shape
             (n_samples, nq).
         qvel: Generalized velocities [m/s, rad/s], shape (n_samples, nv).
-        energy: Potential and kinetic energy as MuJoCo counts them [J], shape
-            (n_samples, 2).
+        energy: Potential and kinetic energy as MuJoCo counts them, but without the
+            weight of mocap bodies, which are moved by hand [J], shape (n_samples, 2).
         impacts: The impacts that began during the run, in order of time.
         timestep: Simulation timestep [s].
         integrator: Name of the integrator, for example "Euler".

@@ -43,9 +43,11 @@ def test_a_sensor_that_does_not_see_our_impacts_is_named(
     kind: str, geoms: list[str] | None
 ) -> None:
     """Whichever of the two geoms is owned: the contact is ours."""
-    with pytest.warns(ImpactWarning, match=rf"'s' \({kind}\).*read_sensor") as caught:
+    with pytest.warns(ImpactWarning, match=rf"'s' \({kind}\) reads 0") as caught:
         attach(PLATE.format(sensors=MISLED[kind]), geoms=geoms)
     assert len(caught) == 1
+    cure = "from mujoco_impact.sensor import read_sensor, sensor_slice; "
+    assert cure + "read_sensor(data.sensordata[" in str(caught[0].message)
 
 
 @pytest.mark.parametrize(

@@ -450,3 +450,47 @@ def test_a_mocap_body_may_give_energy() -> None:
     trajectory = run(attach(xml), duration=0.5, controller=pull)
     assert trajectory.energy[-1, 1] > 0.01
     assert ENERGY not in kinds(trajectory)
+
+
+PADDLE = """
+<mujoco>
+  <option gravity="0 0 {gravity}" integrator="{integrator}"/>
+  <worldbody>
+    <body name="paddle" mocap="true"><geom name="paddle" type="box" size=".1 .1 .01"/>
+    </body>
+    <body name="ball" pos="0 0 .1"><freejoint/><geom name="ball" size=".02"/></body>
+  </worldbody>
+</mujoco>
+"""
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "RK4"])
+@pytest.mark.parametrize("gravity", [0.0, -9.81])
+def test_a_mocap_paddle_gives_energy_and_has_none(
+    gravity: float, integrator: str
+) -> None:
+    """It lifts its own weight, and strikes the ball: all that is the user's work."""
+
+    def lift(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        data.mocap_pos[0, 2] += 0.5 * model.opt.timestep
+
+    scene = attach(PADDLE.format(gravity=gravity, integrator=integrator))
+    trajectory = run(scene, duration=0.5, controller=lift)
+    assert trajectory.impacts
+    assert ENERGY not in kinds(trajectory)
+    mass = scene.compile().body("ball").mass[0]
+    height = trajectory.qpos[:, 2]
+    # of the ball alone, to rounding
+    np.testing.assert_allclose(
+        trajectory.energy[:, 0], -gravity * mass * height, atol=1e-12
+    )
+
+
+def test_a_mocap_body_that_stays_is_no_excuse() -> None:
+    """The energy of a tumbling body beside it is judged as ever."""
+    xml = BOX.format(integrator="Euler").replace(
+        "</worldbody>",
+        '<body pos="2 0 0" mocap="true"><geom size=".1"/></body></worldbody>',
+    )
+    with pytest.warns(ImpactWarning, match="energy grew by [0-9.]+ % of the largest"):
+        assert kinds(run(attach(xml), duration=1.0)) == [ENERGY]

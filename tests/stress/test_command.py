@@ -129,8 +129,43 @@ def test_a_scene_in_which_nothing_touches_is_not_called_sound(tmp_path):
     result = run(str(path), "--duration", "0.05")
     assert result.exit_code == 1
     as_it_is = next(line for line in result.output.splitlines() if "as it is" in line)
-    assert "nothing touched: nothing can be said" in as_it_is
+    assert "nothing struck: nothing can be said; start with --keyframe shot" in as_it_is
     assert "sound" not in as_it_is
+
+
+def test_a_scene_at_rest_is_not_called_sound():
+    """A ball that lies on a floor touches it, but nothing strikes."""
+    scene = """<mujoco><worldbody><geom type="plane" size="1 1 1"/>
+      <body pos="0 0 .02"><freejoint/><geom size=".02"/></body></worldbody></mujoco>"""
+    findings = stress_scene(scene, duration=0.02)
+    assert findings[0].impacts == 0
+    assert findings[0].problems == ("nothing struck: nothing can be said",)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "option"),
+    [
+        (("row_3", "--seed", "3"), "--seed"),
+        (("row_3", "--ours-only"), "--ours-only"),
+        (("row_3", "--cases", "100"), "--cases"),
+        (("--seed", "51", "--first", "2"), "--first"),
+        (("--shrink",), "--shrink"),
+        (("--cases", "1", "--keyframe", "shot"), "--keyframe"),
+    ],
+)
+def test_an_option_without_effect_is_refused(arguments, option):
+    """Rather than left out without a word."""
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert f"{option}: no effect" in result.output
+
+
+def test_a_case_is_shown_without_the_contacts_of_mujoco():
+    """With --ours-only."""
+    result = run("--seed", "51", "--ours-only")
+    assert result.exit_code == 0
+    assert "MuJoCo" not in result.output
+    assert f"{OURS:16} same bits" in result.output
 
 
 DIE = """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import time
+from collections.abc import Set as AbstractSet
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -29,7 +30,15 @@ VIOLATION = 1
 sound as it is."""
 
 
+_SCENE = frozenset({"duration", "keyframe", "settings", "speed", "out", "json_file"})
+_CASE = frozenset({"seed", "family", "shrink", "ours_only", "json_file"})
+_SWEEP = frozenset(
+    {"family", "cases", "first", "processes", "ours_only", "long", "out", "json_file"}
+)
+
+
 def stress(
+    context: typer.Context,
     model: Annotated[
         str | None,
         typer.Argument(
@@ -76,6 +85,7 @@ def stress(
     """Look for where impacts break: in random scenes, or in a scene of your own."""
     with clean_errors():
         if model is not None:
+            _refuse_other_options(context, {"model"} | _SCENE, "a scene of your own")
             _stress_model(
                 model,
                 duration,
@@ -85,10 +95,25 @@ def stress(
                 json_file,
             )
         elif seed is not None:
-            _show_case(seed, _family(family), shrink, json_file)
+            _refuse_other_options(context, _CASE, "--seed")
+            _show_case(seed, _family(family), shrink, ours_only, json_file)
         else:
+            _refuse_other_options(context, _SWEEP, "random scenes without --seed")
             _sweep(_family(family), range(first, first + cases), processes, ours_only,
                    long, out, json_file)  # fmt: skip
+
+
+def _refuse_other_options(
+    context: typer.Context, used: AbstractSet[str], mode: str
+) -> None:
+    """Refuses options of the command line that would have no effect."""
+    for option in context.command.params:
+        name = option.name or ""
+        source = context.get_parameter_source(name)
+        given = source is not None and source.name == "COMMANDLINE"
+        if given and name not in used:
+            msg = f"{option.opts[0]}: no effect on {mode}: leave it out"
+            raise ConfigError(msg)
 
 
 def _family(name: str) -> Family:
@@ -157,12 +182,15 @@ def _sweep(
         raise typer.Exit(VIOLATION)
 
 
-def _show_case(seed: int, family: Family, shrink: bool, json_file: str | None) -> None:
+def _show_case(
+    seed: int, family: Family, shrink: bool, ours_only: bool, json_file: str | None
+) -> None:
     """Shows one random scene and its verdicts."""
     from mujoco_impact import stress as stressing
 
     case = family.case_of(seed)
-    outcome = stressing.judge(case, family=family)
+    methods = (stressing.OURS,) if ours_only else None
+    outcome = stressing.judge(case, methods, family=family)
     console = console_of(json_file)
     console.out(case.describe())
     if outcome.failure:

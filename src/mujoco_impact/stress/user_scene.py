@@ -13,7 +13,7 @@ from mujoco_impact.errors import SceneError
 from mujoco_impact.limits import check_recording
 from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.pulses import PulseReader
-from mujoco_impact.remarks import ENERGY, FAST, NO_IMPACT, PASSING
+from mujoco_impact.remarks import ENERGY, FAST, PASSING
 from mujoco_impact.runner import collected_warnings, initial_data, step_count
 from mujoco_impact.scene import attach
 from mujoco_impact.settings import Setting
@@ -29,6 +29,9 @@ TIMESTEPS = (0.1, 0.5, 2.0, 5.0)
 
 SPEEDS = (0.1, 3.0, 10.0)
 """Speeds at the start tried, over those of the scene."""
+
+NAMED = 3
+"""Keyframes that a message names."""
 
 RESTITUTIONS = (1.0, 0.5, 0.0)
 """Coefficients of restitution tried, for a scene without the plugin."""
@@ -218,7 +221,7 @@ class _Watch:
         """Runs the scene."""
         self.deepest = self.farthest = 0.0
         self.native = 0
-        self._model, self._geoms = model, geoms
+        self._model, self._geoms, self._keyframe = model, geoms, keyframe
         self._data = initial_data(model, keyframe=keyframe)
         self._data.qvel[:] *= variation.speed
         self.pulses = PulseReader(model, self._data)
@@ -255,6 +258,18 @@ class _Watch:
             count=len(self.pulses.impacts) + self.pulses.missed,
             energy=_change(energies),
         )
+
+    def other_starts(self) -> str:
+        """Returns the keyframes to start from instead, in words; "" if none is left."""
+        names = [self._model.key(number).name for number in range(self._model.nkey)]
+        keys = [
+            name or str(number)
+            for number, name in enumerate(names)
+            if self._keyframe not in (number, name)
+        ]
+        more = ", ..." if len(keys) > NAMED else ""
+        ways = " or ".join(f"--keyframe {key}" for key in keys[:NAMED])
+        return f"; start with {ways}{more}" if keys else ""
 
     def _step(self) -> Array:
         """Takes a step and returns the energies of its start [J]."""
@@ -294,8 +309,8 @@ def _problems(watch: _Watch, same_bits: bool) -> list[str]:
     if not same_bits:
         problems.append("a second run ends in other bits")
     kinds = {remark.kind: remark.text for remark in watch.remarks}
-    if NO_IMPACT in kinds and not kinds.keys() & {FAST, PASSING}:
-        problems.append("nothing touched: nothing can be said")
+    if not watch.outcome.count and not problems and not kinds.keys() & {FAST, PASSING}:
+        problems.append(f"nothing struck: nothing can be said{watch.other_starts()}")
     problems += [kinds[kind] for kind in (ENERGY, PASSING) if kind in kinds]
     if FAST in kinds:
         problems.append(f"impacts may be missed: {kinds[FAST]}")
