@@ -180,34 +180,48 @@ bool IsBall(const mjModel* m, int tree) {
          Norm(Load(m->body_ipos + 3 * body)) <= kSame * size;
 }
 
-// A row of a contact that the solver leaves alone.
-bool IsSilentRow(const mjData* d, int i) {
+bool MayFly(const mjModel* m, int tree) {
+  return IsFreeBody(m, tree) && mju_isZero(m->dof_armature + m->tree_dofadr[tree], 6);
+}
+
+// What MuJoCo's solver does to a tree.
+enum class Hold { kNone, kCarried, kTied };
+
+Hold HoldOfRow(const mjData* d, int i) {
   const int type = d->efc_type[i];
   const bool contact = type == mjCNSTR_CONTACT_FRICTIONLESS || type == mjCNSTR_CONTACT_PYRAMIDAL ||
                        type == mjCNSTR_CONTACT_ELLIPTIC;
-  return contact && IsSilent(d, d->contact[d->efc_id[i]]);
+  if (!contact) return Hold::kTied;
+  return IsSilent(d, d->contact[d->efc_id[i]]) ? Hold::kNone : Hold::kCarried;
 }
 
-// Trees that a constraint of MuJoCo may hold.
-void FindHeld(const mjModel* m, const mjData* d, bool* held) {
-  std::fill_n(held, m->ntree, false);
+// By contacts alone, or by other constraints as well.
+void FindHeld(const mjModel* m, const mjData* d, Hold* held) {
+  std::fill_n(held, m->ntree, Hold::kNone);
   const int nv = static_cast<int>(m->nv);
   const bool sparse = mj_isSparse(m);
   for (int i = 0; i < d->nefc; ++i) {
-    if (IsSilentRow(d, i)) continue;
+    const Hold hold = HoldOfRow(d, i);
+    if (hold == Hold::kNone) continue;
     const int begin = sparse ? d->efc_J_rowadr[i] : i * nv;
     const int count = sparse ? d->efc_J_rownnz[i] : nv;
     for (int a = begin; a < begin + count; ++a) {
-      if (d->efc_J[a] != 0) held[m->dof_treeid[sparse ? d->efc_J_colind[a] : a - begin]] = true;
+      if (d->efc_J[a] == 0) continue;
+      Hold& tree = held[m->dof_treeid[sparse ? d->efc_J_colind[a] : a - begin]];
+      tree = std::max(tree, hold);
     }
   }
 }
 
 }  // namespace
 
+// FlightRecord::struck
+constexpr double kFree = 1, kCarried = 2;
+
 struct RigidFlights::Flight {
   RigidInertia inertia;
   bool struck;
+  bool carried;               // by contacts of MuJoCo
   mjtNum time;                // up to which the twins have flown [s]
   Acceleration acceleration;  // of both
   RigidState now, unstruck;
@@ -243,10 +257,7 @@ RigidInertia::RigidInertia(const mjModel* m, const mjData* d, int tree) {
   Store(1 / determinant * Cross(a, b), inverse + 6);
 }
 
-bool IsTumbling(const mjModel* m, int tree) {
-  return IsFreeBody(m, tree) && mju_isZero(m->dof_armature + m->tree_dofadr[tree], 6) &&
-         !IsBall(m, tree);
-}
+bool IsTumbling(const mjModel* m, int tree) { return MayFly(m, tree) && !IsBall(m, tree); }
 
 bool KeepsInertia(const mjModel* m, int tree) {
   if (tree < 0 || m->tree_dofnum[tree] == 1) return true;
@@ -264,20 +275,22 @@ RigidFlights::RigidFlights(const mjModel* m, const mjData* d, const Motion& moti
   if (pulses) return;
   int* index = scratch.Take<int>(m->ntree);
   for (int tree = 0; tree < m->ntree; ++tree) {
-    index[tree] = !IsAsleep(d, tree) && IsTumbling(m, tree) ? number_++ : -1;
+    index[tree] = !IsAsleep(d, tree) && MayFly(m, tree) ? number_++ : -1;
   }
   if (number_ == 0) return;
   index_ = index;
-  bool* held = scratch.Take<bool>(m->ntree);
+  Hold* held = scratch.Take<Hold>(m->ntree);
   FindHeld(m, d, held);
   flights_ = scratch.Take<Flight>(number_);
   for (int tree = 0; tree < m->ntree; ++tree) {
     if (index[tree] < 0) continue;
-    if (held[tree]) {
+    const bool carried = held[tree] == Hold::kCarried;
+    if (held[tree] == Hold::kTied || (IsBall(m, tree) && !carried)) {
       index[tree] = -1;
       continue;
     }
-    Flight& flight = *new (&Of(tree)) Flight{RigidInertia(m, d, tree), false, 0, {}, {}, {}, {}};
+    Flight& flight =
+        *new (&Of(tree)) Flight{RigidInertia(m, d, tree), false, carried, 0, {}, {}, {}, {}};
     const int begin = m->tree_dofadr[tree];
     const mjtNum* rotation = d->xquat + 4 * m->dof_bodyid[begin];
     mju_copy4(flight.rotation, rotation);
@@ -374,7 +387,7 @@ void RigidFlights::Finish(const mjModel* m, State& state) {
     Store(now.velocity - unstruck.velocity, state.held_force() + begin);
     Store(now_then.spin - unstruck_then.spin, state.held_force() + begin + 3);
     FlightRecord& record = state.flight(tree);
-    record.struck = 1;
+    record.struck = flight.carried ? kCarried : kFree;
     record.work = SpinEnergy(flight.inertia, now.spin) - SpinEnergy(flight.inertia, unstruck.spin);
     Store(unstruck.velocity - Lag(m_) * flight.acceleration.linear, record.velocity);
   }
@@ -383,7 +396,7 @@ void RigidFlights::Finish(const mjModel* m, State& state) {
 void CommitFlights(const mjModel* m, mjData* d, State& state) {
   for (int tree = 0; tree < m->ntree; ++tree) {
     // a state of another model of the same sizes may say so of any tree
-    if (state.flight(tree).struck != 1 || !IsTumbling(m, tree)) continue;
+    if (state.flight(tree).struck == 0 || !MayFly(m, tree)) continue;
     const int begin = m->tree_dofadr[tree];
     const RigidInertia inertia(m, d, tree);
     mjtNum *correction = state.correction() + begin, *change = state.held_force() + begin;
@@ -394,7 +407,9 @@ void CommitFlights(const mjModel* m, mjData* d, State& state) {
     // the work that the impulse does for it is not one of the impact
     const Vector3 drift = body.velocity - Load(record.velocity);
     const mjtNum work = record.work - inertia.mass * Dot(Load(change), drift);
-    body.spin = SpinAfter(inertia, body.spin, Load(change + 3), work);
+    // contacts that carry the body have done work of their own
+    body.spin = record.struck == kCarried ? body.spin + Load(change + 3)
+                                          : SpinAfter(inertia, body.spin, Load(change + 3), work);
     body.position += Load(correction);
     Turn(Load(correction + 3), body.rotation);
     body.velocity += Load(change);

@@ -4,9 +4,11 @@
 // The integrators of MuJoCo take a force as one of the whole step, and its gyroscopic terms from
 // the spin at the start (Euler), or as derivatives about it (implicit). A ball does not notice. For
 // any other free body an impulse at time t changes what −J⁻¹(ω × J ω) is for the rest of the step,
-// by as much as a tenth of the impulse. So such a body gets no force: MuJoCo integrates the step as
-// if nothing had struck it, and what the impacts change is added when the step is committed. Two
-// twins fly from the first impact to the end of the step, one struck and one not,
+// by as much as a tenth of the impulse. And where contacts of MuJoCo carry a body, the solver would
+// answer the force of an impact with friction of its own. So such bodies get no force: MuJoCo
+// integrates the step as if nothing had struck it, and what the impacts change is added when the
+// step is committed. Two twins fly from the first impact to the end of the step, one struck and one
+// not,
 //
 //   ẋ = v    v̇ = a    R' = R [ω]×    J ω̇ = −ω × J ω + J α         (centre of mass; ω, J in the
 //   body)
@@ -54,8 +56,8 @@ bool IsTumbling(const mjModel* m, int tree);
 // slides alone, or a ball whose centre is its joint.
 bool KeepsInertia(const mjModel* m, int tree);
 
-// The tumbling bodies of a step that nothing but impacts holds: no constraint of MuJoCo, no pulse
-// that lasts.
+// The free bodies of a step that tumble or rest on something, and that no constraint of MuJoCo but
+// contacts holds and no pulse that lasts.
 class RigidFlights {
  public:
   // None.

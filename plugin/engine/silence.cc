@@ -60,7 +60,7 @@ bool HasPulse(const State& state, const mjContact& contact) {
   for (int i = 0; i < state.slots(); ++i) {
     const Pulse& pulse = state.pulse(i);
     if (pulse.geom[0] != contact.geom[0] || pulse.geom[1] != contact.geom[1]) continue;
-    if (pulse.serial > 0 && pulse.presses_until() > state.header().clock) return true;
+    if (pulse.serial > 0 && pulse.end() > state.header().clock) return true;
   }
   return false;
 }

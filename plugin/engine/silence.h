@@ -24,7 +24,7 @@ inline bool IsTakenOver(const Ownership& ownership, const mjContact& contact) {
   return IsOffered(contact) && contact.efc_address >= 0 && ownership.Owns(contact);
 }
 
-// Whether a pulse between the geoms of the contact presses, or did a moment ago.
+// Whether a pulse between the geoms of the contact presses.
 bool HasPulse(const State& state, const mjContact& contact);
 
 // Silences the owned contacts in which pulses press and, unless any is under way, those whose

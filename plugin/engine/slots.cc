@@ -12,8 +12,11 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-bool IsFree(const Pulse& pulse) {
-  return pulse.serial == 0 || (pulse.serial > 0 && pulse.delivered >= 1);
+// One that still presses keeps its slot, though nothing of it is to come: a repeated `compute` must
+// find it (silence.h).
+bool IsFree(const State& state, const Pulse& pulse) {
+  return pulse.serial == 0 ||
+         (pulse.serial > 0 && pulse.delivered >= 1 && pulse.end() <= state.header().clock);
 }
 
 // A Hertz contact presses harder than the waveform of its impulse and duration.
@@ -65,7 +68,7 @@ Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, co
 
 bool HasRoom(const State& state, int number) {
   for (int i = 0; i < state.slots() && number > 0; ++i) {
-    if (IsFree(state.pulse(i))) --number;
+    if (IsFree(state, state.pulse(i))) --number;
   }
   return number <= 0;
 }
@@ -80,7 +83,7 @@ void AddPending(const mjModel* m, const Ownership& ownership, State& state, cons
   for (int i = 0; i < slots; ++i) {
     const auto at = static_cast<int64_t>(serial - 1) + i;
     Pulse& slot = state.pulse(static_cast<int>(at % slots));
-    if (!IsFree(slot)) continue;
+    if (!IsFree(state, slot)) continue;
     slot = pulse;
     slot.serial = -serial;
     slot.delivered = 0;
@@ -98,7 +101,7 @@ void CommitPulses(State& state) {
     Pulse& pulse = state.pulse(i);
     if (pulse.serial < 0) {
       pulse.serial = -pulse.serial;
-      header.pressed_until = std::max(header.pressed_until, pulse.presses_until());
+      header.pressed_until = std::max(header.pressed_until, pulse.end());
     }
     pulse.delivered = pulse.delivered_next;
     pulse.scale = pulse.scale_next;

@@ -51,9 +51,6 @@ struct Pulse {
   LineOfAction line;       // in the last step, or at the onset
   LineOfAction line_next;  // in this step; committed by advance
 
-  // Until when its contact is not MuJoCo's: a waveform is not over just when its bodies have
-  // parted, and one that came at once has them on the path that it leaves.
-  double presses_until() const { return onset + 2 * duration; }
   bool under_way() const { return serial > 0 && delivered < 1; }
   double end() const { return onset + duration; }  // on the clock [s]
   // What is yet to come in this step and after it [N s].
@@ -63,10 +60,11 @@ struct Pulse {
   bool slides() const { return tangent[0] != 0 || tangent[1] != 0 || tangent[2] != 0; }
 };
 
-// What impacts do to a tumbling body, beside its entries of the correction and the held force
-// (rigid_flight.h).
+// What impacts do to a free body that flies, beside its entries of the correction and the held
+// force (rigid_flight.h).
 struct FlightRecord {
-  double struck;       // 1: those entries are differences of its motion at the end of the step
+  double struck;       // 1, 2 if contacts of MuJoCo carry it: those entries are differences of its
+                       // motion at the end of the step
   double work;         // by which its spin is richer than unstruck [J]
   double velocity[3];  // of its centre at the end of the step, unstruck [m/s]
 };

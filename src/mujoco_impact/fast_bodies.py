@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 
 from mujoco_impact.encounters import Numbers, meetings, sights
+from mujoco_impact.mocap_bodies import MocapMotion
 from mujoco_impact.ownership import gap_for_speed
 from mujoco_impact.pulses import geom_name
 from mujoco_impact.remarks import FAST, Remark
@@ -78,9 +79,9 @@ class FastBodies:
             np.where(self._mates, self._sight, np.inf).min(initial=np.inf)
         )
         self._scratch = mujoco.MjData(model)
-        self._segment, self._velocity = np.zeros(6), np.zeros((2, 6))
-        self._mocap = ("mocap_pos", "mocap_quat") if model.nmocap else ()
-        seen = ("cvel", "geom_xpos", "subtree_com", *self._mocap)
+        self._segment = np.zeros(6)
+        self._mocap = MocapMotion(model)
+        seen = ("cvel", "geom_xpos", "subtree_com", *self._mocap.needs)
         self.needs: tuple[str, ...] = seen if self._watched.size else ()
         self.count, self.first = 0, math.inf
         self.fastest: Approach | None = None
@@ -89,17 +90,19 @@ class FastBodies:
         """Looks at the logged steps."""
         if not self._watched.size:
             return
-        ways = self._ways(log["cvel"], log["geom_xpos"], log["subtree_com"])
+        cvel = self._mocap.velocities(log)
+        ways = self._ways(cvel, log["geom_xpos"], log["subtree_com"])
         # no two of them come nearer in a step than any of them sees
         fast = np.flatnonzero(2.0 * ways.max(axis=1) > self._slack)
         if not fast.size:
             return
         qpos, qvel = log.before("qpos"), log.before("qvel")
         for step in fast:
-            for name in self._mocap:
+            for name in self._mocap.needs:
                 getattr(self._scratch, name)[:] = log[name][step]
             time = log.start + int(step) * float(self._model.opt.timestep)
-            self._look_from(qpos[step], qvel[step], time)
+            by_hand = cvel[step, self._mocap.bodies]
+            self._look_from(qpos[step], qvel[step], time, by_hand)
 
     def look_at_fastest(self, time: Array, qpos: Array, qvel: Array) -> None:
         """Looks at the steps from the fastest of many states.
@@ -168,12 +171,15 @@ class FastBodies:
         ways: Array = speed + spin * (lever + self._extent[self._watched])
         return ways * float(self._model.opt.timestep)
 
-    def _look_from(self, qpos: Array, qvel: Array, time: float) -> None:
-        """Looks at the step from one state."""
+    def _look_from(
+        self, qpos: Array, qvel: Array, time: float, by_hand: Array | float = 0.0
+    ) -> None:
+        """Looks at the step from one state, `by_hand` the `cvel` of mocap bodies."""
         data = self._scratch
         data.qpos[:], data.qvel[:], data.time = qpos, qvel, time
         for stage in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel):
             stage(self._model, data)
+        data.cvel[self._mocap.bodies] = by_hand
         ways = self._ways(data.cvel[None], data.geom_xpos[None], data.subtree_com[None])
         self._look_closely(data, ways[0])
 
@@ -213,11 +219,12 @@ class FastBodies:
         normal = (self._segment[3:] - self._segment[:3]) / distance
         speed = 0.0
         for geom, side in ((owned, 0), (other, 1)):
-            kind, moved = mujoco.mjtObj.mjOBJ_GEOM, self._velocity[side]
-            mujoco.mj_objectVelocity(model, data, kind, geom, moved, 0)
-            point = self._segment[3 * side : 3 * side + 3] - data.geom_xpos[geom]
+            body = int(model.geom_bodyid[geom])
+            # mj_objectVelocity knows nothing of mocap bodies
+            moved, centre = data.cvel[body], data.subtree_com[model.body_rootid[body]]
+            arm = self._segment[3 * side : 3 * side + 3] - centre
             sign = 1.0 if side == 0 else -1.0
-            speed += sign * float((moved[3:] + np.cross(moved[:3], point)) @ normal)
+            speed += sign * float((moved[3:] + np.cross(moved[:3], arm)) @ normal)
         if speed * float(model.opt.timestep) <= distance:
             return
         self.count += 1

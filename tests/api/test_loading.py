@@ -52,6 +52,12 @@ def test_works_in_any_order_of_imports(code: str) -> None:
     assert result.stdout == result.stderr == ""
 
 
+def test_the_sensor_is_at_hand_without_an_import_of_its_own() -> None:
+    """As the other parts are."""
+    result = python("import mujoco_impact; print(mujoco_impact.sensor.read_sensor)")
+    assert result.stdout.startswith("<function read_sensor"), result.stderr
+
+
 def test_importing_the_package_is_light() -> None:
     """MuJoCo 4 imports it at every `import mujoco`."""
     heavy = ("matplotlib", "typer", "rich", "scipy", "dm_control")

@@ -486,6 +486,30 @@ def test_a_mocap_paddle_gives_energy_and_has_none(
     )
 
 
+@pytest.mark.parametrize(
+    ("lift", "turn", "x", "z", "told"),
+    [
+        (30.0, 0.0, 0.0, 0.1, "'ball' closes in on 'paddle' at 30 m/s"),
+        (0.0, 150.0, 0.08, 0.075, "'ball' closes in on 'paddle' at 14"),
+    ],
+)
+def test_a_mocap_body_faster_than_its_gap_is_warned_of(
+    lift: float, turn: float, x: float, z: float, told: str
+) -> None:
+    """MuJoCo takes it for still: its speed is that from pose to pose."""
+
+    def move(_: mujoco.MjModel, data: mujoco.MjData) -> None:
+        data.mocap_pos[0, 2] = lift * data.time
+        angle = turn * data.time
+        data.mocap_quat[0] = np.cos(angle / 2), 0, -np.sin(angle / 2), 0
+
+    scene = attach(PADDLE.format(gravity=0.0, integrator="Euler"))
+    qpos = [x, 0, z, 1, 0, 0, 0]
+    with pytest.warns(ImpactWarning, match=told):
+        trajectory = run(scene, duration=0.01, qpos=qpos, controller=move)
+    assert kinds(trajectory)[0] == FAST
+
+
 def test_a_mocap_body_that_stays_is_no_excuse() -> None:
     """The energy of a tumbling body beside it is judged as ever."""
     xml = BOX.format(integrator="Euler").replace(

@@ -62,7 +62,6 @@ def test_bodies_part_as_the_forces_say_whatever_the_gap(gap, timestep):
     assert error.max() < 1e-3 * SPEED
 
 
-@pytest.mark.xfail(reason="the end of a step cuts the impact in two", strict=False)
 @pytest.mark.parametrize("gap", [3.1e-5, 4.9e-5])
 def test_an_impact_that_lasts_over_the_end_of_a_step_is_one(gap):
     error = np.abs(by_the_product(gap, 1e-4) - by_integration(gap))

@@ -50,3 +50,58 @@ def test_a_ball_that_bounced_comes_to_rest_there_too(integrator):
     assert data.sensor("impact").data[6] >= 4
     assert np.abs(data.qvel).max() < 1e-6
     np.testing.assert_allclose(RADIUS - data.qpos[2], alone, rtol=0, atol=2e-6)
+
+
+def test_a_ball_rests_also_where_a_step_is_shorter_than_a_pulse():
+    """A pulse that is over leaves the contact to MuJoCo; else the ball falls."""
+    spec = with_integrator(table(1), "Euler", 1e-4)
+    model = mujoco_impact.attach(spec).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, 10_000)
+    # alone it sinks by .37 mm: with MuJoCo's default softness, whatever the timestep
+    assert RADIUS - data.qpos[2] < 5e-4
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "implicitfast"])
+def test_the_table_does_not_feel_what_strikes_the_ball_on_it(integrator):
+    """Nor answers it with friction: Coulomb allows 2 cm/s in a step of 2 ms.
+
+    The cue slides without spin, so that after the impact it stands and its friction is
+    nothing; what it loses before is excluded by the sum.
+    """
+    spec = with_integrator(table(2), integrator, 2e-3)
+    model = mujoco_impact.attach(spec, restitution=1.0).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, 500)
+    data.qvel[0] = 1.0
+    before = 0.0
+    for _ in range(60):
+        before = data.qvel[0]
+        mujoco.mj_step(model, data)
+        if data.qvel[6] > 0.1:
+            break
+    g_h = 9.81 * model.opt.timestep
+    # it was .80 of the speed
+    assert data.qvel[6] > before - 3 * g_h
+    # and .2 m/s upwards
+    assert np.abs(data.qvel[[2, 8]]).max() < 4 * g_h
+
+
+def test_a_repeated_forward_changes_nothing_where_boxes_pile_up():
+    """A pulse that presses keeps its slot, also when new ones want it."""
+    boxes = "".join(
+        f'<body pos="{0.01 * (i % 2)} 0 {0.06 + 0.11 * i}"><freejoint/>'
+        '<geom type="box" size=".05 .05 .05"/></body>'
+        for i in range(5)
+    )
+    xml = f"""
+    <mujoco>
+      <worldbody><geom type="plane" size="5 5 .1"/>{boxes}</worldbody>
+    </mujoco>"""
+    model = mujoco_impact.attach(xml, restitution=0.7).compile()
+    data, again = mujoco.MjData(model), mujoco.MjData(model)
+    for _ in range(400):
+        mujoco.mj_forward(model, again)
+        mujoco.mj_step(model, again)
+        mujoco.mj_step(model, data)
+        np.testing.assert_array_equal(again.qvel, data.qvel)

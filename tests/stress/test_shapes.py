@@ -20,7 +20,10 @@ BY_NAME = {invariant.name: invariant for invariant in SHAPES.invariants}
 
 SEEDS = range(100, 160)
 
-BROKEN: dict[str, str] = {}
+BROKEN = {
+    # seed 154: 7e-6 of the energy, a free body that touches in two points under RK4
+    "impact energy": "the second of two impacts in a step is found to second order",
+}
 """Promises that the engine does not keep yet, by why."""
 
 BALL = Case(
