@@ -76,7 +76,7 @@ class Resolver {
   void AddImpacts(const IslandSystem& system, const ImpactTime& time, const Impact* impacts,
                   const int* position);
   void AddImpact(const ContactRow& row, const ImpactTime& time, const Impact& impact);
-  void AddShare(const ContactRow& row, const ImpactTime& time, const Share& share, bool at_once);
+  void AddShare(const ContactRow& row, const ImpactTime& time, const Share& share);
   void AnchorAll();
   bool ResolvePartOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
   bool MoreMayClose(const Outlook& outlook);
@@ -116,14 +116,13 @@ void Resolver::AddImpact(const ContactRow& row, const ImpactTime& time, const Im
   const Share share =
       impact.at_once ? whole : ShareOfStep(pulse, state_.header().clock, m_->opt.timestep);
   AddPending(m_, ownership_, state_, pulse, share.delivered_next);
-  AddShare(row, time, share, impact.at_once);
+  AddShare(row, time, share);
   struck_.Add(row, share.impulse, impact.impulse - share.impulse);
 }
 
-// To each tree in its own way: tumbling bodies fly on, what was found at another inertia is a
-// change of velocity, all else an impulse.
-void Resolver::AddShare(const ContactRow& row, const ImpactTime& time, const Share& share,
-                        bool at_once) {
+// To each tree in its own way: bodies that fly are changed there, what was found at another inertia
+// is a change of velocity, all else an impulse.
+void Resolver::AddShare(const ContactRow& row, const ImpactTime& time, const Share& share) {
   Scratch scratch(d_);
   for (const RowSegment& segment : row.segment) {
     if (segment.tree < 0) continue;
