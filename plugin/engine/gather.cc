@@ -165,7 +165,7 @@ Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership,
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
     if (!IsOffered(contact) || !ownership.Owns(contact)) continue;
-    if (kick && IsCarried(contact) && !HasPulse(state, contact)) continue;
+    if (kick && IsCarried(contact) && !HasPulse(state, contact, false)) continue;
     const ContactTrees trees = TreesOf(m, contact);
     if (trees.tree[0] >= 0 || trees.tree[1] >= 0) owned[count++] = &contact;
   }

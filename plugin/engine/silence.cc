@@ -56,11 +56,12 @@ class RestOfContacts {
 
 }  // namespace
 
-bool HasPulse(const State& state, const mjContact& contact) {
+bool HasPulse(const State& state, const mjContact& contact, bool parting) {
   for (int i = 0; i < state.slots(); ++i) {
     const Pulse& pulse = state.pulse(i);
     if (pulse.geom[0] != contact.geom[0] || pulse.geom[1] != contact.geom[1]) continue;
-    if (pulse.serial > 0 && pulse.end() > state.header().clock) return true;
+    const mjtNum until = parting ? pulse.parts_until() : pulse.end();
+    if (pulse.serial > 0 && until > state.header().clock) return true;
   }
   return false;
 }
@@ -73,7 +74,8 @@ void SilenceMoving(const mjModel* m, mjData* d, int instance, bool pulses, State
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
     if (!IsTakenOver(ownership, contact)) continue;
-    if (pressed && HasPulse(state, contact)) {
+    // what falls back meanwhile is MuJoCo's to carry
+    if (pressed && HasPulse(state, contact, ClosingSpeed(m, d, contact, state.mocap()) < 0)) {
       Silence(d, i);
       continue;
     }

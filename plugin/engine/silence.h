@@ -24,8 +24,8 @@ inline bool IsTakenOver(const Ownership& ownership, const mjContact& contact) {
   return IsOffered(contact) && contact.efc_address >= 0 && ownership.Owns(contact);
 }
 
-// Whether a pulse between the geoms of the contact presses.
-bool HasPulse(const State& state, const mjContact& contact);
+// Whether a pulse between the geoms of the contact presses, or still parts them.
+bool HasPulse(const State& state, const mjContact& contact, bool parting);
 
 // Silences the owned contacts in which pulses press and, unless any is under way, those whose
 // bodies move along the normal faster than at rest.

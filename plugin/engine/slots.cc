@@ -12,11 +12,11 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-// One that still presses keeps its slot, though nothing of it is to come: a repeated `compute` must
-// find it (silence.h).
+// One whose bodies still part keeps its slot, though nothing of it is to come: a repeated `compute`
+// must find it (silence.h).
 bool IsFree(const State& state, const Pulse& pulse) {
   return pulse.serial == 0 ||
-         (pulse.serial > 0 && pulse.delivered >= 1 && pulse.end() <= state.header().clock);
+         (pulse.serial > 0 && pulse.delivered >= 1 && pulse.parts_until() <= state.header().clock);
 }
 
 // A Hertz contact presses harder than the waveform of its impulse and duration.
@@ -101,7 +101,7 @@ void CommitPulses(State& state) {
     Pulse& pulse = state.pulse(i);
     if (pulse.serial < 0) {
       pulse.serial = -pulse.serial;
-      header.pressed_until = std::max(header.pressed_until, pulse.end());
+      header.pressed_until = std::max(header.pressed_until, pulse.parts_until());
     }
     pulse.delivered = pulse.delivered_next;
     pulse.scale = pulse.scale_next;

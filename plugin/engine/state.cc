@@ -20,8 +20,9 @@ constexpr int kPulseSize = sizeof(Pulse) / sizeof(mjtNum);
 constexpr int kFlightSize = sizeof(FlightRecord) / sizeof(mjtNum);
 constexpr int kMocapSize = sizeof(MocapRecord) / sizeof(mjtNum);
 
-// A row of n balls has n − 1 contacts; two a geom leaves room for overlapping pulses and clusters.
-int SlotNumber(int capacity) { return 2 * capacity + 2; }
+// A row of n balls has n − 1 contacts; four a geom leave room for overlapping pulses and clusters,
+// and for pulses that have come but press on.
+int SlotNumber(int capacity) { return 4 * capacity + 2; }
 
 // Pulses that a simulation may have; serial numbers stay exact in doubles far beyond.
 constexpr double kMaxCount = 1e15;

@@ -51,6 +51,9 @@ struct Pulse {
   LineOfAction line;       // in the last step, or at the onset
   LineOfAction line_next;  // in this step; committed by advance
 
+  // Until when its contact does not pull its bodies back: a waveform is not over just when they
+  // have parted, and one that came at once has them on the path that it leaves.
+  double parts_until() const { return onset + 2 * duration; }
   bool under_way() const { return serial > 0 && delivered < 1; }
   double end() const { return onset + duration; }  // on the clock [s]
   // What is yet to come in this step and after it [N s].

@@ -185,19 +185,14 @@ def _default_depth(
 
     During a pulse of duration W bodies that close with the speed u overlap by up to
     u W / 2, half of what two geoms of this depth leave; u is taken as that of a fall
-    through the scene. Runge-Kutta
-    spreads every impact over the step h, and looks at positions in its middle at which
-    bodies overlap by up to u h / 2.
+    through the scene.
     """
-    speed = fall_speed(model)
     duration = _pulse_duration(config)
-    stage = 0.0
-    if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
-        stage = speed * float(model.opt.timestep) / 2
+    if duration == 0:
+        return DEPTH
     size = smallest_size(model, owned)
-    overlap = speed * duration / 2 + stage
-    smallest = SMALLEST_OF_LONG * size if duration else DEPTH
-    return round_up(min(max(overlap, smallest), LARGEST * size))
+    overlap = fall_speed(model) * duration / 2
+    return round_up(min(max(overlap, SMALLEST_OF_LONG * size), LARGEST * size))
 
 
 def _pulse_duration(config: Mapping[str, str]) -> float:

@@ -141,13 +141,6 @@ def test_the_default_depth_does_not_depend_on_the_scene(count: int) -> None:
     assert all(geom.margin == -1e-6 for geom in spec.geoms)
 
 
-def test_runge_kutta_gets_the_depth_of_its_stages() -> None:
-    """In the middle of a step no impact has happened yet: u h / 2, u of a fall."""
-    head = '<option timestep="0.002" integrator="RK4"/><statistic extent="2"/>'
-    margin, _ = margins(attach(free_ball(head=head)).compile(), "ball")
-    assert -margin == pytest.approx(np.sqrt(2 * 9.81 * 2.0) * 0.001, rel=0.01)
-
-
 def test_long_pulses_get_a_larger_depth() -> None:
     """During a pulse of milliseconds the bodies overlap much more."""
     short = margins(attach(free_ball()).compile(), "ball")[0]

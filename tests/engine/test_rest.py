@@ -105,3 +105,29 @@ def test_a_repeated_forward_changes_nothing_where_boxes_pile_up():
         mujoco.mj_step(model, again)
         mujoco.mj_step(model, data)
         np.testing.assert_array_equal(again.qvel, data.qvel)
+
+
+@pytest.mark.parametrize("restitution", [1.0, 0.5, 0.0])
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_stacked_boxes_lie_as_without_the_plugin(integrator, restitution):
+    boxes = "".join(
+        f'<body pos="0 0 {0.05 + 0.1 * i}"><freejoint/>'
+        '<geom type="box" size=".05 .05 .05"/></body>'
+        for i in range(3)
+    )
+    xml = f"""
+    <mujoco>
+      <worldbody><geom type="plane" size="5 5 .1"/>{boxes}</worldbody>
+    </mujoco>"""
+    spec = with_integrator(xml, integrator, 2e-3)
+    heights = []
+    for model in (
+        mujoco_impact.attach(spec, restitution=restitution).compile(),
+        spec.compile(),
+    ):
+        data = mujoco.MjData(model)
+        mujoco.mj_step(model, data, 1000)
+        assert np.abs(data.qvel).max() < 1e-6
+        heights.append(data.xpos[1:, 2])
+    # 1 um for each owned geom of the three contacts below
+    np.testing.assert_allclose(*heights, rtol=0, atol=1e-5)
