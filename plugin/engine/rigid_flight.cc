@@ -162,11 +162,6 @@ Vector3 SpinAfter(const RigidInertia& inertia, const Vector3& unstruck, const Ve
   return found > 0 ? std::sqrt(energy / found) * spin : spin;
 }
 
-bool IsFreeBody(const mjModel* m, int tree) {
-  const int begin = m->tree_dofadr[tree];
-  return m->tree_dofnum[tree] == 6 && m->jnt_type[m->dof_jntid[begin]] == mjJNT_FREE;
-}
-
 // Whether a free body has the same inertia about all axes through its joint.
 bool IsBall(const mjModel* m, int tree) {
   constexpr mjtNum kSame = 1e-9;
@@ -257,7 +252,10 @@ RigidInertia::RigidInertia(const mjModel* m, const mjData* d, int tree) {
   Store(1 / determinant * Cross(a, b), inverse + 6);
 }
 
-bool IsTumbling(const mjModel* m, int tree) { return MayFly(m, tree) && !IsBall(m, tree); }
+bool IsFreeBody(const mjModel* m, int tree) {
+  const int begin = m->tree_dofadr[tree];
+  return m->tree_dofnum[tree] == 6 && m->jnt_type[m->dof_jntid[begin]] == mjJNT_FREE;
+}
 
 bool KeepsInertia(const mjModel* m, int tree) {
   if (tree < 0 || m->tree_dofnum[tree] == 1) return true;

@@ -49,8 +49,8 @@ struct RigidInertia {
   RigidInertia(const mjModel* m, const mjData* d, int tree);
 };
 
-// Whether the tree is a free rigid body other than a ball whose centre is its joint.
-bool IsTumbling(const mjModel* m, int tree);
+// Whether the tree hangs on one free joint and nothing in it moves against the rest.
+bool IsFreeBody(const mjModel* m, int tree);
 
 // Whether the inertia of the tree stays as it is while its bodies move: one degree of freedom,
 // slides alone, or a ball whose centre is its joint.

@@ -14,8 +14,7 @@ struct Counted {
 };
 
 Counted CountedBy(const mjModel* m, int tree) {
-  const bool single = m->tree_bodynum[tree] == 1 && m->tree_dofnum[tree] == 6 &&
-                      m->jnt_type[m->dof_jntid[m->tree_dofadr[tree]]] == mjJNT_FREE;
+  const bool single = m->tree_bodynum[tree] == 1 && IsFreeBody(m, tree);
   switch (m->opt.integrator) {
     case mjINT_EULER:
       return {0, 0};

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mujoco_impact import _plugin
+from mujoco_impact.energies import find_energies
 from mujoco_impact.errors import ImpactWarning, SceneError, SimulationError
 from mujoco_impact.limits import check_recording, steps_of
 from mujoco_impact.mocap_bodies import mocap_bodies, potential
@@ -256,16 +257,7 @@ class _Recorder:
         self._scratch.qvel[:] = self._qvel[sample]
         self._scratch.mocap_pos[:] = self._data.mocap_pos
         self._scratch.mocap_quat[:] = self._data.mocap_quat
-        # no more than the energies read: neither contacts nor plugins
-        for stage in (
-            mujoco.mj_kinematics,
-            mujoco.mj_comPos,
-            mujoco.mj_tendon,
-            mujoco.mj_makeM,
-            mujoco.mj_energyPos,
-            mujoco.mj_energyVel,
-        ):
-            stage(self._model, self._scratch)
+        find_energies(self._model, self._scratch)
         return self._energy_of(self._scratch)
 
     def _energy_of(self, data: mujoco.MjData) -> Array:

@@ -23,6 +23,19 @@ def table(count: int) -> str:
     </mujoco>"""
 
 
+def boxes(places: list[tuple[float, float]]) -> str:
+    """Boxes of half a width of 5 cm above a floor, centres at these x and z [m]."""
+    bodies = "".join(
+        f'<body pos="{x} 0 {z}"><freejoint/>'
+        '<geom type="box" size=".05 .05 .05"/></body>'
+        for x, z in places
+    )
+    return f"""
+    <mujoco>
+      <worldbody><geom type="plane" size="5 5 .1"/>{bodies}</worldbody>
+    </mujoco>"""
+
+
 def sinks(model: mujoco.MjModel) -> np.ndarray:
     """How deep each ball lies in the table after a second [m]."""
     data = mujoco.MjData(model)
@@ -89,15 +102,7 @@ def test_the_table_does_not_feel_what_strikes_the_ball_on_it(integrator):
 
 def test_a_repeated_forward_changes_nothing_where_boxes_pile_up():
     """A pulse that presses keeps its slot, also when new ones want it."""
-    boxes = "".join(
-        f'<body pos="{0.01 * (i % 2)} 0 {0.06 + 0.11 * i}"><freejoint/>'
-        '<geom type="box" size=".05 .05 .05"/></body>'
-        for i in range(5)
-    )
-    xml = f"""
-    <mujoco>
-      <worldbody><geom type="plane" size="5 5 .1"/>{boxes}</worldbody>
-    </mujoco>"""
+    xml = boxes([(0.01 * (i % 2), 0.06 + 0.11 * i) for i in range(5)])
     model = mujoco_impact.attach(xml, restitution=0.7).compile()
     data, again = mujoco.MjData(model), mujoco.MjData(model)
     for _ in range(400):
@@ -110,15 +115,7 @@ def test_a_repeated_forward_changes_nothing_where_boxes_pile_up():
 @pytest.mark.parametrize("restitution", [1.0, 0.5, 0.0])
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_stacked_boxes_lie_as_without_the_plugin(integrator, restitution):
-    boxes = "".join(
-        f'<body pos="0 0 {0.05 + 0.1 * i}"><freejoint/>'
-        '<geom type="box" size=".05 .05 .05"/></body>'
-        for i in range(3)
-    )
-    xml = f"""
-    <mujoco>
-      <worldbody><geom type="plane" size="5 5 .1"/>{boxes}</worldbody>
-    </mujoco>"""
+    xml = boxes([(0, 0.05 + 0.1 * i) for i in range(3)])
     spec = with_integrator(xml, integrator, 2e-3)
     heights = []
     for model in (

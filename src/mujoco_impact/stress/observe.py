@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mujoco_impact.energies import find_energies
 from mujoco_impact.pulses import PulseReader, plugin_instances
 from mujoco_impact.runner import collected_warnings
 from mujoco_impact.trajectory import Array, Impact
@@ -153,17 +154,6 @@ def energies(model: mujoco.MjModel, qpos: Array, qvel: Array) -> Array:
     result = np.zeros((len(qpos), 2))
     for sample, (position, velocity) in enumerate(zip(qpos, qvel, strict=True)):
         data.qpos[:], data.qvel[:] = position, velocity
-        for stage in _ENERGY_STAGES:
-            stage(model, data)
+        find_energies(model, data)
         result[sample] = data.energy
     return result
-
-
-_ENERGY_STAGES = (
-    mujoco.mj_kinematics,
-    mujoco.mj_comPos,
-    mujoco.mj_tendon,
-    mujoco.mj_makeM,
-    mujoco.mj_energyPos,
-    mujoco.mj_energyVel,
-)
