@@ -55,6 +55,7 @@ void CommitStep(const mjModel* m, mjData* d, int instance) {
     CommitPulses(state);
     CommitRecords(state);
     header.pending = 0;
+    header.pushed_until = header.clock + m->opt.timestep;
   }
   CommitMocap(m, d, state);
   header.clock += m->opt.timestep;

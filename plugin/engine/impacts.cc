@@ -111,7 +111,7 @@ class Resolver {
 // Delivers the part of a new pulse that belongs to this step: all of it, by its moment, if the
 // impact comes at once.
 void Resolver::AddImpact(const ContactRow& row, const ImpactTime& time, const Impact& impact) {
-  const Pulse pulse = MakePulse(d_, row, impact, config_, state_);
+  const Pulse pulse = MakePulse(m_, d_, row, time.tau, impact, config_, state_);
   const Share whole{impact.impulse, impact.moment, 1};
   const Share share =
       impact.at_once ? whole : ShareOfStep(pulse, state_.header().clock, m_->opt.timestep);

@@ -242,6 +242,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
                   problem.moment[k] + tau * P,
                   loss * P,
                   at_once,
+                  problem.closing_speed[k],
                   {}};
   }
 }

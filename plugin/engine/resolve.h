@@ -24,6 +24,7 @@ struct Impact {
   mjtNum moment;    // ∫ t F dt [N s²], if the law knows it better than the waveform
   mjtNum loss;      // of kinetic energy, by the part of the impulse in that of the island [J]
   bool at_once;     // shorter than the step: deliver it whole, by its moment
+  mjtNum closing;   // speed at which the contact closed; 0 or less: others closed it [m/s]
   Vector3 tangent;  // tangential impulse over P_k, on geom[1] (friction.h) [-]
 };
 

@@ -41,8 +41,8 @@ void DiscardPending(const mjModel* m, State& state) {
   }
 }
 
-Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, const Config& config,
-                const State& state) {
+Pulse MakePulse(const mjModel* m, const mjData* d, const ContactRow& row, mjtNum tau,
+                const Impact& impact, const Config& config, const State& state) {
   Pulse pulse{};
   pulse.onset = state.header().clock + impact.onset;
   pulse.impulse = impact.impulse;
@@ -51,6 +51,7 @@ Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, co
   pulse.restitution = config.waveform_restitution;
   pulse.peak = PeakForce(impact);
   pulse.loss = impact.loss;
+  pulse.closing = impact.closing;
   pulse.scale = 1;
   Store(row.normal, pulse.line.normal);
   Store(impact.tangent, pulse.tangent);
@@ -61,6 +62,8 @@ Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, co
     Store(offset, pulse.line.arm[side]);
     pulse.geom[side] = row.contact->geom[side];
   }
+  const int second = row.contact->geom[1];
+  Store(SurfacePoint(m, second, 1, row.path.SideAt(1, tau), row.normal), pulse.place);
   pulse.scale_next = pulse.scale;
   pulse.line_next = pulse.line;
   return pulse;
@@ -103,6 +106,7 @@ void CommitPulses(State& state) {
       pulse.serial = -pulse.serial;
       header.pressed_until = std::max(header.pressed_until, pulse.parts_until());
     }
+    pulse.delivered_last = pulse.delivered;
     pulse.delivered = pulse.delivered_next;
     pulse.scale = pulse.scale_next;
     pulse.line = pulse.line_next;

@@ -17,9 +17,9 @@ namespace mujoco_impact::engine {
 // Forgets what an earlier compute of the same step left pending.
 void DiscardPending(const mjModel* m, State& state);
 
-// The pulse of an impact, not yet in a slot.
-Pulse MakePulse(const mjData* d, const ContactRow& row, const Impact& impact, const Config& config,
-                const State& state);
+// The pulse of an impact, not yet in a slot; `tau` is the time of the row on its path.
+Pulse MakePulse(const mjModel* m, const mjData* d, const ContactRow& row, mjtNum tau,
+                const Impact& impact, const Config& config, const State& state);
 
 // Whether `number` more pulses fit into the slots.
 bool HasRoom(const State& state, int number);

@@ -13,7 +13,7 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-constexpr double kVersion = 3;
+constexpr double kVersion = 4;
 constexpr int kHeaderSize = sizeof(Header) / sizeof(mjtNum);
 constexpr int kRecordSize = sizeof(GeomRecord) / sizeof(mjtNum);
 constexpr int kPulseSize = sizeof(Pulse) / sizeof(mjtNum);

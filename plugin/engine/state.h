@@ -40,7 +40,10 @@ struct Pulse {
   double duration;         // W [s]
   double restitution;      // E of the waveform [-]
   double peak;             // largest force: that of the Hertz contact, or H of the waveform [N]
-  double delivered;        // part of the impulse delivered by the start of the step [-]
+  double closing;          // speed at which its contact closed; 0 or less: others closed it [m/s]
+  double place[3];         // where its surfaces met, world frame [m]
+  double delivered_last;   // part of the impulse delivered by the start of the last step [-]
+  double delivered;        // by the start of this one
   double delivered_next;   // and by its end; committed by advance
   double scale;            // of what is not delivered, over that part of P_k (settled_energy.h) [-]
   double scale_next;       // in this step; committed by advance
@@ -91,6 +94,7 @@ struct Header {
   double later_stages;       // 1: a later stage was seen, so the step is a Runge-Kutta step
   double work;               // that the impacts of the step took (budget.h)
   double pressed_until;      // on the clock: when the last pulse presses no more [s]
+  double pushed_until;       // on the clock: end of the last step in which pulses acted [s]
 };
 
 class State {

@@ -23,6 +23,14 @@ void DrawArrow(const mjModel* m, const mjtNum from[3], const mjtNum force[3], mj
   arrow->segid = scene->ngeom++;
 }
 
+// Part of the impulse that acts in the step that `compute` has looked at or, after mj_step has
+// taken it, in that step.
+mjtNum PartShown(const Header& header, const Pulse& pulse) {
+  if (header.pending != 0) return pulse.delivered_next - pulse.delivered;
+  if (pulse.serial <= 0 || header.clock != header.pushed_until) return 0;
+  return pulse.delivered - pulse.delivered_last;
+}
+
 }  // namespace
 
 void DrawPulses(const mjModel* m, mjData* d, const mjvOption* option, mjvScene* scene,
@@ -31,7 +39,7 @@ void DrawPulses(const mjModel* m, mjData* d, const mjvOption* option, mjvScene* 
   const State state(m, d, instance);
   for (int i = 0; i < state.slots(); ++i) {
     const Pulse& pulse = state.pulse(i);
-    const mjtNum part = pulse.delivered_next - pulse.delivered;
+    const mjtNum part = PartShown(state.header(), pulse);
     if (part <= 0) continue;
     mjtNum from[3], force[3];
     mju_add3(from, d->xpos + 3 * BodyOf(m, pulse, 1), pulse.line_next.arm[1]);

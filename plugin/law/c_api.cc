@@ -55,6 +55,10 @@ MUJOCO_IMPACT_API double mujoco_impact_viscous_damping(double restitution) {
   return law::ViscousDamping(restitution);
 }
 
+MUJOCO_IMPACT_API double mujoco_impact_waveform_force(double t, double restitution) {
+  return law::WaveformForce(t, restitution);
+}
+
 MUJOCO_IMPACT_API double mujoco_impact_waveform_cumulative(double t, double restitution) {
   return law::WaveformCumulative(t, restitution);
 }

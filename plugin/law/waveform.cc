@@ -28,6 +28,13 @@ double WaveformHeight(double impulse, double duration) { return kHalfPi * impuls
 
 double WaveformImpulse(double height, double duration) { return height * duration / kHalfPi; }
 
+double WaveformForce(double t, double restitution) {
+  if (t < 0 || t > 1) return 0;
+  const double w_c = 1 / (1 + restitution);
+  if (t <= w_c) return kHalfPi * std::sin(kHalfPi * t / w_c);
+  return kHalfPi * std::cos(kHalfPi * (t - w_c) / (restitution * w_c));
+}
+
 double WaveformCumulative(double t, double restitution) {
   if (t <= 0) return 0;
   if (t >= 1) return 1;

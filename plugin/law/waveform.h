@@ -26,6 +26,9 @@ double WaveformHeight(double impulse, double duration);
 // Impulse P [N s] of the pulse with height H [N] and duration W [s]: P = (2/π) H W.
 double WaveformImpulse(double height, double duration);
 
+// f(t): the force; 0 before and after the pulse.
+double WaveformForce(double t, double restitution);
+
 // ∫₀^t f: the part of the impulse delivered by time t; 0 for t ≤ 0 and exactly 1 for t ≥ 1.
 double WaveformCumulative(double t, double restitution);
 

@@ -28,6 +28,7 @@ TEST_P(Waveform, CumulativeAndMomentAreTheIntegralsOfTheShape) {
     const double t = (i + 0.5) / cells;
     area += Force(t, e) / cells;
     moment += t * Force(t, e) / cells;
+    ASSERT_NEAR(WaveformForce(t, e), Force(t, e), 1e-14) << "at t = " << t;
     const double end = (i + 1.0) / cells;
     ASSERT_NEAR(WaveformCumulative(end, e), area, 1e-4) << "at t = " << end;
     ASSERT_NEAR(WaveformMoment(end, e), moment, 1e-4) << "at t = " << end;
@@ -45,6 +46,8 @@ TEST_P(Waveform, DeliversNothingBeforeAndAllAfter) {
   EXPECT_EQ(WaveformCumulative(-0.5, e), 0);
   EXPECT_EQ(WaveformCumulative(1, e), 1);
   EXPECT_EQ(WaveformCumulative(7, e), 1);
+  EXPECT_EQ(WaveformForce(-0.5, e), 0);
+  EXPECT_EQ(WaveformForce(1.5, e), 0);
   EXPECT_EQ(WaveformMoment(1, e), WaveformMoment(7, e));
 }
 

@@ -18,9 +18,10 @@ load_or_warn()
 
 from mujoco_impact import pickling  # noqa: E402
 from mujoco_impact.errors import ImpactError  # noqa: E402
+from mujoco_impact.impact import Impact  # noqa: E402
 from mujoco_impact.runner import run  # noqa: E402
 from mujoco_impact.scene import attach  # noqa: E402
-from mujoco_impact.trajectory import Impact, Trajectory  # noqa: E402
+from mujoco_impact.trajectory import Trajectory  # noqa: E402
 
 if TYPE_CHECKING:
     from mujoco_impact import calibration, envs, law, metrics, reference, sensor

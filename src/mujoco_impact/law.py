@@ -34,6 +34,7 @@ _SCALAR_FUNCTIONS = {
     "contact_time": 3,
     "maximum_compression": 3,
     "viscous_damping": 1,
+    "waveform_force": 2,
     "waveform_cumulative": 2,
     "waveform_moment": 2,
     "waveform_height": 2,
@@ -149,6 +150,11 @@ def maximum_compression(stiffness: float, reduced_mass: float, speed: float) -> 
 def viscous_damping(restitution: float) -> float:
     """Returns the damping x [-] at which a pair restitutes e (Hunt-Crossley)."""
     return _scalar("viscous_damping", restitution)
+
+
+def waveform_force(t: float, restitution: float) -> float:
+    """Returns the force at t of the pulse of unit area and duration, t in its units."""
+    return _scalar("waveform_force", t, restitution)
 
 
 def waveform_cumulative(t: float, restitution: float) -> float:

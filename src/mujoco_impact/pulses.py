@@ -5,8 +5,9 @@ a header (layout version, number of pulses begun since reset, offset of the slot
 table, numbers per slot, number of slots, clock: seconds stepped since reset), then the
 slots. A slot holds the serial number of its pulse (0: never used), the two geoms, the
 onset on that clock [s], the normal impulse [N s], alpha, the duration [s], the
-restitution and the largest force [N]; the rest of it is private to the plugin. A
-finished pulse stays in its slot until that is needed again.
+restitution, the largest force [N], the closing speed [m/s] and the place (3) [m]; the
+rest of it is private to the plugin and to this file. A finished pulse stays in its slot
+until that is needed again.
 """
 
 from __future__ import annotations
@@ -19,13 +20,15 @@ import numpy as np
 
 from mujoco_impact._plugin import PLUGIN_NAME
 from mujoco_impact.errors import PluginError
-from mujoco_impact.trajectory import Array, Impact
+from mujoco_impact.impact import Impact, Vector
+from mujoco_impact.trajectory import Array
 
-LAYOUT_VERSION = 3.0
+LAYOUT_VERSION = 4.0
 
 _COUNT, _TABLE, _SLOT_SIZE, _SLOTS, _CLOCK = 1, 2, 3, 4, 5
 _SERIAL, _GEOM1, _GEOM2, _ONSET, _IMPULSE, _ALPHA, _DURATION = range(7)
-_RESTITUTION, _PEAK = 7, 8
+_RESTITUTION, _PEAK, _CLOSING, _PLACE = 7, 8, 9, slice(10, 13)
+_TANGENT, _NORMAL = slice(26, 29), slice(29, 32)
 
 _PROBE = f"""
 <mujoco>
@@ -81,6 +84,8 @@ class PulseReader:
     def _impact(self, slot: Array, clock: float) -> Impact:
         """Returns the record of one slot."""
         impulse, duration = float(slot[_IMPULSE]), float(slot[_DURATION])
+        # the slot holds it over the normal impulse
+        tangential = impulse * slot[_TANGENT]
         return Impact(
             time=self._data.time - (clock - float(slot[_ONSET])),
             geoms=(
@@ -93,6 +98,10 @@ class PulseReader:
             duration=duration,
             restitution=float(slot[_RESTITUTION]),
             peak=float(slot[_PEAK]),
+            closing_speed=float(slot[_CLOSING]),
+            position=_vector(slot[_PLACE]),
+            normal=_vector(slot[_NORMAL]),
+            tangential_impulse=_vector(tangential),
         )
 
 
@@ -112,6 +121,12 @@ def plugin_number() -> int:
     A model holds only the registration number of a plugin, not its name.
     """
     return int(mujoco.MjModel.from_xml_string(_PROBE).plugin[0])
+
+
+def _vector(numbers: Array) -> Vector:
+    """Returns three numbers as a tuple."""
+    x, y, z = numbers.tolist()
+    return x, y, z
 
 
 def geom_name(model: mujoco.MjModel, geom: int) -> str:

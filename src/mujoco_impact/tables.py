@@ -12,7 +12,8 @@ from rich.text import Text
 
 from mujoco_impact.comparison import OURS, Comparison
 from mujoco_impact.doctor import Check
-from mujoco_impact.trajectory import Impact, Trajectory
+from mujoco_impact.impact import Impact
+from mujoco_impact.trajectory import Trajectory
 
 MOST_BALLS_ABREAST = 6
 """More balls than this stand below each other, to fit 80 columns."""

@@ -18,11 +18,12 @@ import numpy.typing as npt
 from mujoco_impact.archive import AnyArray, read_arrays
 from mujoco_impact.errors import TrajectoryError
 from mujoco_impact.files import replacing
+from mujoco_impact.impact import COLUMNS, Impact, impacts_of, numbers_of
 from mujoco_impact.remarks import Remark
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
-LAYOUT_VERSION = 2
+LAYOUT_VERSION = 3
 """Version of the .npz layout that `Trajectory.save` writes."""
 
 _DAMAGE = (
@@ -51,44 +52,6 @@ _KINDS = {"U": "text", "iu": "integers", "iuf": "numbers"}
 
 MOST_IMPACTS = 4_000_000
 """Most impacts that are read of a file: each takes a kilobyte as an `Impact`."""
-
-
-@dataclasses.dataclass(frozen=True)
-class Impact:
-    """One impact between two geoms: an artificial impulse waveform.
-
-    Attributes:
-        time: Onset [s].
-        geoms: Names of the two geoms ("geom 3" for an unnamed one).
-        impulse: Normal impulse P [N s].
-        alpha: Impulse over that of the contact of the island that closed first,
-            alpha_k [-].
-        height: Peak force of the waveform, H = pi P / (2 W) [N].
-        duration: Duration of the waveform, W [s].
-        restitution: Expansion impulse over compression impulse [-].
-        peak: Largest force of the contact [N]: that of the Hertz contact (1.17 H for a
-            single one), or H if pulses last as long as a setting says.
-    """
-
-    time: float
-    geoms: tuple[str, str]
-    impulse: float
-    alpha: float
-    height: float
-    duration: float
-    restitution: float
-    peak: float
-
-
-_IMPACT_NUMBERS = (
-    "time",
-    "impulse",
-    "alpha",
-    "height",
-    "duration",
-    "restitution",
-    "peak",
-)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -143,10 +106,6 @@ class Trajectory:
             raise TrajectoryError(f"cannot write {os.fspath(path)!r}: it names no file")
         if target.suffix != ".npz":
             target = target.with_name(target.name + ".npz")
-        numbers = np.array(
-            [[getattr(impact, name) for name in _IMPACT_NUMBERS]
-             for impact in self.impacts]
-        ).reshape(len(self.impacts), len(_IMPACT_NUMBERS))  # fmt: skip
         geoms = np.array([impact.geoms for impact in self.impacts], dtype=np.str_)
         arrays: dict[str, Any] = {name: getattr(self, name) for name in _ARRAYS}
         scalars: dict[str, Any] = {name: getattr(self, name) for name in _SCALARS}
@@ -155,7 +114,7 @@ class Trajectory:
                 np.savez_compressed(
                     part,
                     layout_version=LAYOUT_VERSION,
-                    impact_numbers=numbers,
+                    impact_numbers=numbers_of(self.impacts),
                     impact_geoms=geoms.reshape(len(self.impacts), 2),
                     remarks=_remark_texts(self.remarks),
                     **arrays,
@@ -202,18 +161,9 @@ def _check_version(stored: dict[str, AnyArray]) -> None:
 def _from_arrays(stored: dict[str, AnyArray]) -> Trajectory:
     """Returns the trajectory of the arrays of a file; ValueError if it is none."""
     _check_shapes(stored)
-    impacts = tuple(
-        Impact(
-            geoms=(str(geoms[0]), str(geoms[1])),
-            **dict(zip(_IMPACT_NUMBERS, map(float, numbers), strict=True)),
-        )
-        for geoms, numbers in zip(
-            stored["impact_geoms"], stored["impact_numbers"], strict=True
-        )
-    )
     return Trajectory(
         **{name: np.asarray(stored[name], dtype=np.float64) for name in _ARRAYS},
-        impacts=impacts,
+        impacts=impacts_of(stored["impact_numbers"], stored["impact_geoms"]),
         timestep=float(stored["timestep"]),
         integrator=str(stored["integrator"]),
         mujoco_version=str(stored["mujoco_version"]),
@@ -234,7 +184,7 @@ def _check_shapes(stored: dict[str, AnyArray]) -> None:
         "qpos": (samples, None),
         "qvel": (samples, None),
         "energy": (samples, 2),
-        "impact_numbers": (impacts, len(_IMPACT_NUMBERS)),
+        "impact_numbers": (impacts, COLUMNS),
         "impact_geoms": (impacts, 2),
         "remarks": (None, 2),
         **dict.fromkeys(_SCALARS, ()),

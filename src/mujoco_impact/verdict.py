@@ -10,10 +10,11 @@ import numpy as np
 from mujoco_impact.encounters import Flags, owned_numbers
 from mujoco_impact.energy_balance import EnergyBalance
 from mujoco_impact.fast_bodies import FastBodies
+from mujoco_impact.impact import Impact
 from mujoco_impact.overlaps import Overlaps
 from mujoco_impact.remarks import NO_IMPACT, Remark
 from mujoco_impact.step_log import StepLog
-from mujoco_impact.trajectory import Array, Impact
+from mujoco_impact.trajectory import Array
 
 NOTHING = (
     "no impact: none of the geoms that the plugin owns touched anything; run longer, "

@@ -11,8 +11,14 @@ from mujoco_impact import Impact, Trajectory
 from mujoco_impact.errors import TrajectoryError
 
 IMPACTS = (
-    Impact(0.1, ("left", "right"), 0.2, 1.0, 3141.6, 1e-4, 0.9, 3678.0),
-    Impact(0.3, ("größe", "geom 3"), 1 / 3, 0.5, 10.0, 7.5e-3, 1.0, 10.0),
+    Impact(
+        *(0.1, ("left", "right"), 0.2, 1.0, 3141.6, 1e-4, 0.9, 3678.0),
+        *(1.5, (0.1, 0.2, 0.3), (0.0, 0.6, 0.8), (0.05, 0.0, 0.0)),
+    ),
+    Impact(
+        *(0.3, ("größe", "geom 3"), 1 / 3, 0.5, 10.0, 7.5e-3, 1.0, 10.0),
+        *(0.0, (1 / 3, 0.0, -1.0), (1.0, 0.0, 0.0)),
+    ),
 )
 
 

@@ -223,7 +223,7 @@ ARRAYS = {
     "impacts of two numbers": (
         "impact_numbers",
         array_file(np.zeros((1, 2))),
-        "(1, 7)",
+        "(1, 17)",
     ),
     "an impact number": ("impact_numbers", array_file(1.0), "impact_numbers"),
     "geoms of nobody": ("impact_geoms", array_file(np.full((9, 2), "x")), "(1, 2)"),

@@ -9,12 +9,12 @@ from typer.testing import CliRunner
 
 import mujoco_impact
 from mujoco_impact.cli import app
+from mujoco_impact.impact import Impact
 from mujoco_impact.stress import FAMILIES, OURS, SHAPES, stress_scene
 from mujoco_impact.stress.long_runs import long_runs
 from mujoco_impact.stress.outcomes import Outcome, differences
 from mujoco_impact.stress.promises import Invariant
 from mujoco_impact.stress.shapes import Evidence, case_of
-from mujoco_impact.trajectory import Impact
 
 BALLS = """
 <mujoco model="two">
@@ -212,7 +212,9 @@ def test_a_scene_that_its_timestep_resolves_has_no_differences():
 def test_velocities_after_the_first_impact_are_compared():
     """At the same time; what a second impact has changed is not compared."""
     time = np.linspace(0.0, 1.0, 11)
-    impact = Impact(0.35, ("a", "b"), 1.0, 1.0, 1.0, 0.1, 1.0, 1.0)
+    impact = Impact(
+        0.35, ("a", "b"), *[1.0] * 3, 0.1, 1.0, 1.0, 1.0, (0.0,) * 3, (1.0, 0.0, 0.0)
+    )
 
     def outcome(speed, *impacts):
         qvel = np.where(time < 0.4, 1.0, speed)[:, None]

@@ -14,8 +14,9 @@ import numpy as np
 
 from mujoco_impact import law
 from mujoco_impact.errors import ConfigError, SceneError
+from mujoco_impact.impact import Impact
 from mujoco_impact.pulses import PulseReader
-from mujoco_impact.trajectory import Array, Impact
+from mujoco_impact.trajectory import Array
 
 RATE = 40_000.0
 """Default sampling rate [Hz]."""

@@ -19,12 +19,12 @@ import numpy as np
 
 import cradle_models
 from mujoco_impact.calibration.objective import DEFAULT_W0
+from mujoco_impact.impact import Impact
 from mujoco_impact.paper.patterns import RESTITUTION
 from mujoco_impact.paper.printed import Array, printed
 from mujoco_impact.pulses import PulseReader
 from mujoco_impact.runner import initial_data
 from mujoco_impact.scene import attach
-from mujoco_impact.trajectory import Impact
 
 STEEL_YOUNG, STEEL_POISSON = 2e11, 0.3
 ACRYLIC_YOUNG, ACRYLIC_POISSON = 3.2e9, 0.37

@@ -10,9 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from mujoco_impact.energies import find_energies
+from mujoco_impact.impact import Impact
 from mujoco_impact.pulses import PulseReader, plugin_instances
 from mujoco_impact.runner import collected_warnings
-from mujoco_impact.trajectory import Array, Impact
+from mujoco_impact.trajectory import Array
 
 _WORK = 15
 """Of the header of the plugin's state: the counted work of the last step."""

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mujoco_impact.trajectory import Array, Impact
+from mujoco_impact.impact import Impact
+from mujoco_impact.trajectory import Array
 from mujoco_impact.verdict import quiet_samples
 
 DIFFERENT = 2e-2
