@@ -21,14 +21,14 @@ def requirements(text: str, extra: str | None = None) -> list[str]:
     extras = project.get("optional-dependencies", {})
     if extra is not None:
         return list(extras[extra])
-    # dm_control and peers are heavy: only the tests that need them install them
     wanted = [extra for extra in extras if extra not in OPTIONAL]
     return project["dependencies"] + [
         line for extra in wanted for line in extras[extra]
     ]
 
 
-OPTIONAL = ("peers",)
+OPTIONAL = ("docs", "peers")
+"""Extras that no test needs."""
 
 if __name__ == "__main__":
     pyproject, *chosen = sys.argv[1:]

@@ -1,11 +1,11 @@
-"""The README's table of run time and error is that of the committed results."""
+"""The table of run time and error in docs/validation.md is that of the results."""
 
 from pathlib import Path
 
 import pytest
 
+from mujoco_impact.bench.page import BEGIN, END, main, page_table, with_table
 from mujoco_impact.bench.points import Point
-from mujoco_impact.bench.readme import BEGIN, END, main, readme_table, with_table
 from mujoco_impact.bench.results import ResultsError, points_from_csv, read_results
 from mujoco_impact.bench.summary import summarize
 
@@ -17,10 +17,10 @@ def committed() -> tuple[Point, ...]:
     return points_from_csv((BENCHMARKS / "results.csv").read_text(encoding="utf-8"))
 
 
-def test_readme_shows_the_committed_results():
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+def test_the_page_shows_the_committed_results():
+    text = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8")
     table = text.partition(f"{BEGIN}\n")[2].partition(END)[0]
-    assert table == readme_table(committed())
+    assert table == page_table(committed())
     # headings, and five scenes
     assert len(table.splitlines()) == 7
 
@@ -50,20 +50,20 @@ def test_a_line_of_the_table_says_what_was_measured():
         "3 touching balls", "2 ms, Euler", "1.02", "6e-6", "0.4", "1e-2",
         "8e-9 (Exudyn, 11)",
     ]  # fmt: skip
-    assert readme_table(points).splitlines()[2] == f"| {' | '.join(cells)} |"
+    assert page_table(points).splitlines()[2] == f"| {' | '.join(cells)} |"
 
 
-def test_only_the_table_of_a_readme_is_written(tmp_path):
+def test_only_the_table_of_a_page_is_written(tmp_path):
     """And writing it twice changes nothing."""
-    file = tmp_path / "README.md"
+    file = tmp_path / "page.md"
     file.write_text(f"before\n\n{BEGIN}\nold\n{END}\nafter\n")
     for _ in range(2):
         main(str(BENCHMARKS / "results.csv"), str(file))
-        table = readme_table(committed())
+        table = page_table(committed())
         assert file.read_text() == f"before\n\n{BEGIN}\n{table}{END}\nafter\n"
 
 
 @pytest.mark.parametrize("text", ["", f"{BEGIN}\n", f"{END}\n", f"{END}\n{BEGIN}\n"])
-def test_a_readme_without_a_place_is_refused(text):
+def test_a_page_without_a_place_is_refused(text):
     with pytest.raises(ResultsError, match="must stand in the text"):
         with_table(text, "")

@@ -17,10 +17,14 @@ import mujoco_impact
 from mujoco_impact.cli import app
 
 ROOT = Path(__file__).parents[2]
-DOCUMENTS = ("README.md", "plugin/README.md", "cradle_models/README.md",
-             "docs/design.md", "docs/paper.md", "docs/paper_results.md",
-             "docs/calibration_coverage.md", "docs/environments.md",
-             "CONTRIBUTING.md")  # fmt: skip
+DOCUMENTS = sorted(
+    str(page.relative_to(ROOT))
+    for page in (
+        *ROOT.glob("*.md"),
+        *ROOT.glob("*/README.md"),
+        *ROOT.glob("docs/**/*.md"),
+    )
+)
 # optional libraries, and how code that needs one is known
 OPTIONAL = {"dm_control": "dm_control|envs.load", "gymnasium": "gymnasium"}
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -60,6 +64,14 @@ def test_there_are_snippets_of_every_kind():
     """The search finds what it should."""
     for language in ("python", "bash", "xml", "text"):
         assert [one for one in snippets(language) if one.document == "README.md"]
+
+
+def test_the_first_two_commands_of_the_readme_are_there():
+    """What they do is seen by whoever runs this: `scripts/test` is one of them."""
+    first = next(one for one in snippets("bash") if one.document == "README.md")
+    names = [line.split()[0] for line in first.code.splitlines()]
+    assert names == ["scripts/demo", "scripts/test"]
+    assert all(os.access(ROOT / name, os.X_OK) for name in names)
 
 
 @pytest.mark.parametrize("snippet", snippets("python"), ids=str)

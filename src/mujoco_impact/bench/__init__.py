@@ -2,7 +2,7 @@
 
 `scenes` says what is simulated, `methods` how, `truths` what is right; `measure` makes
 points (run time, error) of them, `summary` says what follows. `steps` and `impacts`
-time single steps and the law alone. `results`, `charts` and `readme` keep it all.
+time single steps and the law alone. `results`, `charts` and `page` keep it all.
 """
 
 from mujoco_impact.bench.benchmark import run_benchmark

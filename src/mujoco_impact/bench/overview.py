@@ -1,4 +1,4 @@
-"""One picture of everything, for the README: four scenes, few kinds of methods."""
+"""One picture of everything, of the page on accuracy: four scenes, few methods."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Documented limits: what a case outside of them is counted as, instead of a violation.
 
 Each limit is measured on the case, never assumed, and names the invariants that it
-touches. README.md ("Limits") and plugin/README.md tell them to users.
+touches. docs/limits.md tells them to users.
 """
 
 from __future__ import annotations

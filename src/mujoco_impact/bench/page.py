@@ -1,6 +1,6 @@
-"""The table of the README, from the points of a `results.csv`.
+"""The table of docs/validation.md, from the points of a `results.csv`.
 
-`scripts/bench` ends with it: ``python -m mujoco_impact.bench.readme CSV README``.
+`scripts/bench` ends with it: ``python -m mujoco_impact.bench.page CSV PAGE``.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ HEADINGS = (
 )
 
 
-def readme_table(points: Sequence[Point]) -> str:
+def page_table(points: Sequence[Point]) -> str:
     """Returns the table in Markdown, one line per scene that has points of ours."""
     lines = [HEADINGS, ("---",) * len(HEADINGS)]
     for row in summarize(points):
@@ -50,7 +50,7 @@ def readme_table(points: Sequence[Point]) -> str:
 
 
 def with_table(text: str, table: str) -> str:
-    """Returns a README with the table between its two comments.
+    """Returns a page with the table between its two comments.
 
     Raises:
         ResultsError: If a comment is missing.
@@ -92,11 +92,11 @@ def _error(value: float) -> str:
     return f"{mantissa}e{int(exponent)}"
 
 
-def main(table: str, readme: str) -> None:
-    """Writes the table into the README."""
+def main(table: str, page: str) -> None:
+    """Writes the table into the page."""
     points = points_from_csv(Path(table).read_text(encoding="utf-8"))
-    file = Path(readme)
-    text = with_table(file.read_text(encoding="utf-8"), readme_table(points))
+    file = Path(page)
+    text = with_table(file.read_text(encoding="utf-8"), page_table(points))
     file.write_text(text, encoding="utf-8")
 
 
