@@ -3,6 +3,7 @@
 //
 // Arrays are of `size` doubles unless said otherwise; units and signs as in the headers.
 
+#include <cstring>
 #include <vector>
 
 #include "law/calibrated.h"
@@ -124,6 +125,38 @@ MUJOCO_IMPACT_API int mujoco_impact_solve(int size, const int* row_start, const 
                                    horizon,
                                    tolerance};
   law::ImpactSolution solution{impulse, moment, onset, after};
+  const law::ImpactReport report =
+      law::SolveImpact(problem, passive != 0, &solution, {numbers.data(), indices.data()});
+  return report.converged ? report.steps : -report.steps;
+}
+
+// The same with Coulomb friction (coulomb.h). `mu` (size); `slip` (2 size) before the impact;
+// `block` (8 times the entries of the compressed rows): the TangentBlock of every entry.
+// `friction`, `friction_moment`, `slip_after` (2 size each) are written as well.
+MUJOCO_IMPACT_API int mujoco_impact_solve_with_friction(
+    int size, const int* row_start, const int* column, const double* value, const double* block,
+    const double* closing_speed, const double* slip, const double* gap, const double* stiffness,
+    const double* mu, double restitution, int dissipation, double horizon, double tolerance,
+    int passive, double* impulse, double* moment, double* onset, double* after, double* friction,
+    double* friction_moment, double* slip_after) {
+  const std::vector<double> diagonal = Diagonal(size, row_start, column, value);
+  std::vector<double> numbers(law::ImpactNumbers(size, true)), work(row_start[size]);
+  std::vector<int> indices(law::ImpactIndices(size));
+  std::vector<law::TangentBlock> blocks(row_start[size]);
+  std::memcpy(blocks.data(), block, blocks.size() * sizeof(law::TangentBlock));
+  const law::CoulombFriction coulomb{mu, slip, blocks.data(), work.data(), nullptr};
+  law::ImpactProblem problem{{size, row_start, column, value, diagonal.data()},
+                             closing_speed,
+                             gap,
+                             stiffness,
+                             restitution,
+                             static_cast<law::Dissipation>(dissipation),
+                             horizon,
+                             horizon,
+                             tolerance};
+  problem.friction = &coulomb;
+  law::ImpactSolution solution{impulse, moment,   onset,           after,
+                               nullptr, friction, friction_moment, slip_after};
   const law::ImpactReport report =
       law::SolveImpact(problem, passive != 0, &solution, {numbers.data(), indices.data()});
   return report.converged ? report.steps : -report.steps;

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "law/friction_step.h"
 #include "law/impact_clock.h"
 #include "law/lanes.h"
 #include "law/pair.h"
@@ -42,6 +44,7 @@ class Integrator {
  private:
   void EvaluateStage(const double* y, int stage);
   double TryStep(double h);
+  double TryFriction(double h);
   bool OvershootsTurn(int i, double h) const;
   double FractionToTurn(double h) const;
   void Accept(double h);
@@ -65,6 +68,8 @@ class Integrator {
   double* rate_;  // dy/dt over c: 1, or 1/e² while expanding
   double *y_new_, *c_new_, *y_stage_;
   double *force_[4], *pull_[4];  // F and W F at the four stages
+
+  std::optional<FrictionStep> friction_;
 };
 
 Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution,
@@ -74,12 +79,14 @@ Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution,
       scale_(MeasureScale(problem)),
       lossless_(problem.restitution == 1),
       drops_expansion_(problem.restitution < kNoExpansion),
-      lanes_(problem, *solution, scale_, kArrays, workspace) {
+      lanes_(problem, *solution, scale_, kArrays + (problem.friction ? FrictionStep::kArrays : 0),
+             workspace) {
   double** const arrays[kArrays] = {&rate_,     &y_new_,    &c_new_,    &y_stage_,
                                     &force_[0], &force_[1], &force_[2], &force_[3],
                                     &pull_[0],  &pull_[1],  &pull_[2],  &pull_[3]};
   for (double** array : arrays) *array = lanes_.Take();
   std::fill_n(rate_, problem.delassus.size + 1, 1.0);
+  if (problem.friction) friction_.emplace(problem, scale_, lanes_);
   EvaluateStage(lanes_.y, 0);
 }
 
@@ -136,6 +143,19 @@ double Integrator::TryStep(double h) {
   }
   return std::max(hh * Larger(y_error) / scale_.compression, h * Larger(c_error) / scale_.speed) /
          problem_.tolerance;
+}
+
+// The friction of the step tried: changes c_new, and returns the error of it.
+double Integrator::TryFriction(double h) {
+  const double *F1 = force_[0], *F2 = force_[1], *F3 = force_[2], *F4 = force_[3];
+  for (int i = 0; i < lanes_.size(); ++i) {
+    friction_->dP[i] = h * (kVelocity[0] * F1[i] + kVelocity[1] * F2[i] + kVelocity[2] * F3[i] +
+                            kVelocity[3] * F4[i]);
+    const double remaining =
+        h * h * (kPosition[0] * F1[i] + kPosition[1] * F2[i] + kPosition[2] * F3[i]);
+    friction_->dM[i] = (t_ + h) * friction_->dP[i] - remaining;
+  }
+  return friction_->Try(F1, F4, c_new_);
 }
 
 // Whether a step of length h has followed the contact of lane i too far beyond its turn: for δt, in
@@ -200,6 +220,7 @@ void Integrator::Accept(double h) {
   std::swap(force_[0], force_[3]);
   std::swap(pull_[0], pull_[3]);
   t_ = after;
+  if (friction_ && friction_->Accept()) lanes_.Multiply(force_[0], pull_[0]);
 }
 
 // After a step: a contact that opened within it did so at c, not at c/e²; no force depends on it.
@@ -231,6 +252,7 @@ void Integrator::SetRates() {
 // The lane of the contact that has just closed, if nothing else happens until it opens again: no
 // neighbour can close under its impulse, no other contact closes by itself. −1 if something may.
 int Integrator::ClosingAlone() const {
+  if (friction_) return -1;
   const DelassusMatrix& W = problem_.delassus;
   const double *y = lanes_.y, *c = lanes_.c;
   int alone = -1;
@@ -285,6 +307,7 @@ void Integrator::CollideAlone(int i) {
 void Integrator::MoveWindow() {
   LeaveLateClosings(problem_, scale_, t_, lanes_);
   if (!lanes_.Move(t_)) return;
+  if (friction_) friction_->Load();
   work_ += SearchCost(problem_, lanes_);
   EvaluateStage(lanes_.y, 0);
   if (!lossless_) SetRates();
@@ -328,10 +351,19 @@ ImpactReport Integrator::Run() {
       continue;
     }
     turns = 0;
+    double friction_growth = growth;
+    if (friction_) {
+      const double of_friction = TryFriction(h);
+      friction_growth = FrictionStep::Growth(of_friction);
+      if (of_friction > 1) {
+        h *= friction_growth;
+        continue;
+      }
+    }
     Accept(h);
     if (!lossless_) UpdatePhases();
     MoveWindow();
-    h *= growth;
+    h *= std::min(growth, friction_growth);
     ++report.steps;
   }
   lanes_.Finish();
@@ -342,7 +374,10 @@ ImpactReport Integrator::Run() {
 
 }  // namespace
 
-int CompressionWorkspace(int size) { return Lanes::Numbers(size, Integrator::kArrays); }
+int CompressionWorkspace(int size, bool friction) {
+  return Lanes::Numbers(size, Integrator::kArrays + (friction ? FrictionStep::kArrays : 0),
+                        friction);
+}
 
 ImpactReport IntegrateCompression(const ImpactProblem& problem, ImpactSolution* solution,
                                   const Workspace& workspace) {

@@ -25,7 +25,7 @@
 namespace mujoco_impact::law {
 
 // Doubles of workspace that an island of `size` contacts needs.
-int CompressionWorkspace(int size);
+int CompressionWorkspace(int size, bool friction);
 
 ImpactReport IntegrateCompression(const ImpactProblem& problem, ImpactSolution* solution,
                                   const Workspace& workspace);

@@ -19,6 +19,11 @@ double LongestFlight(const ImpactProblem& problem, const ImpactScale& scale, dou
   return std::min(std::max(problem.flight, same_impact), problem.horizon + same_impact - t);
 }
 
+// The speed up to which a contact is left to rest if nothing presses it.
+double RestSpeed(const ImpactProblem& problem, int contact) {
+  return problem.rest_speed ? problem.rest_speed[contact] : 0;
+}
+
 // Whether a contact that shares a body with the one of lane i is compressed.
 bool IsPressedFromBeside(const ImpactProblem& problem, const Lanes& lanes, int i) {
   bool pressed = false;
@@ -39,7 +44,7 @@ bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Lanes&
     const double y = lanes.y[i], c = lanes.c[i];
     if (y > y_floor) return false;
     const bool closes_in_time = y >= 0 || -y < c * time_left;
-    if (c > c_floor && closes_in_time) return false;
+    if (c > c_floor && closes_in_time && c > RestSpeed(problem, lanes.contact(i))) return false;
   }
   return lanes.window().NextArrival() >= t + time_left;
 }
@@ -54,13 +59,18 @@ bool FlyToNextClosing(const ImpactProblem& problem, const ImpactScale& scale, La
   double flight = std::min(longest, lanes.window().NextArrival() - *t);
   int next = -1;
   for (int i = 0; i < lanes.size(); ++i) {
-    if (lanes.c[i] <= 0 || -lanes.y[i] > flight * lanes.c[i]) continue;
+    if (lanes.c[i] <= RestSpeed(problem, lanes.contact(i))) continue;
+    if (-lanes.y[i] > flight * lanes.c[i]) continue;
     flight = -lanes.y[i] / lanes.c[i];
     next = i;
   }
   if (next < 0 && flight >= longest) return false;
   for (int i = 0; i < lanes.size(); ++i) lanes.y[i] += flight * lanes.c[i];
   if (next >= 0) lanes.y[next] = 0;
+  // compression of contacts left to rest would be energy from nowhere
+  for (int i = 0; problem.rest_speed && i < lanes.size(); ++i) {
+    lanes.y[i] = std::min(lanes.y[i], 0.0);
+  }
   *t += flight;
   return true;
 }
@@ -77,6 +87,10 @@ void LeaveLateClosings(const ImpactProblem& problem, const ImpactScale& scale, d
 
 void SpeedsAfter(const ImpactProblem& problem, ImpactSolution& solution) {
   Multiply(problem.delassus, solution.impulse, solution.closing_speed);
+  if (const CoulombFriction* friction = problem.friction) {
+    AddTangential(problem.delassus, *friction, solution.friction, solution.closing_speed);
+    SlipAfter(problem.delassus, *friction, solution.impulse, solution.friction, solution.slip);
+  }
   for (int k = 0; k < problem.delassus.size; ++k) {
     solution.closing_speed[k] = problem.closing_speed[k] - solution.closing_speed[k];
   }

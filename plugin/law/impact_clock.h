@@ -59,7 +59,7 @@ inline double StepGrowth(double error, int order) {
   return std::clamp(0.9 / root, 0.2, 5.0);
 }
 
-// c − W P, the closing speeds that the impulses of the solution leave.
+// The closing speeds c − W P that the impulses of the solution leave, and the slips.
 void SpeedsAfter(const ImpactProblem& problem, ImpactSolution& solution);
 
 }  // namespace mujoco_impact::law

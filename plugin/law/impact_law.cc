@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "law/compression.h"
+#include "law/friction_guard.h"
 #include "law/impact_clock.h"
 #include "law/lanes.h"
 #include "law/passivity.h"
@@ -18,6 +19,10 @@ namespace {
 
 // A factor beyond is no correction: the pushes cancel each other.
 constexpr double kMostScale = 10;
+
+bool IsViscous(const ImpactProblem& problem) {
+  return problem.dissipation == Dissipation::kViscous && problem.restitution < 1;
+}
 
 ImpactReport SolveIsolated(const ImpactProblem& problem, ImpactSolution* solution) {
   const double u = problem.closing_speed[0];
@@ -40,16 +45,47 @@ void Scale(double factor, int n, double* x) {
   for (int i = 0; i < n; ++i) x[i] *= factor;
 }
 
+bool HasFriction(const ImpactProblem& problem) {
+  const double* mu = problem.friction->mu;
+  return std::any_of(mu, mu + problem.delassus.size, [](double one) { return one > 0; });
+}
+
+ImpactReport SolveWithoutFriction(const ImpactProblem& problem, bool passive,
+                                  ImpactSolution* solution, const Workspace& workspace) {
+  ImpactProblem frictionless = problem;
+  frictionless.friction = nullptr;
+  const ImpactReport report = SolveImpact(frictionless, passive, solution, workspace);
+  std::fill_n(solution->friction, 2 * problem.delassus.size, 0.0);
+  std::fill_n(solution->friction_moment, 2 * problem.delassus.size, 0.0);
+  SlipAfter(problem.delassus, *problem.friction, solution->impulse, solution->friction,
+            solution->slip);
+  return report;
+}
+
+ImpactReport SolveWithFriction(const ImpactProblem& problem, bool passive, ImpactSolution* solution,
+                               const Workspace& workspace) {
+  if (!HasFriction(problem)) return SolveWithoutFriction(problem, passive, solution, workspace);
+  ImpactReport report = IsViscous(problem) ? IntegrateViscous(problem, solution, workspace)
+                                           : IntegrateCompression(problem, solution, workspace);
+  if (!report.converged) report.work += EndShort(problem, report.time, solution, workspace);
+  SpeedsAfter(problem, *solution);
+  if (passive) RemoveGain(problem, *solution, workspace.numbers);
+  return report;
+}
+
 }  // namespace
 
-int ImpactNumbers(int size) { return std::max(CompressionWorkspace(size), ViscousWorkspace(size)); }
+int ImpactNumbers(int size, bool friction) {
+  return std::max(CompressionWorkspace(size, friction), ViscousWorkspace(size, friction));
+}
 
 int ImpactIndices(int size) { return Lanes::Indices(size); }
 
 ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolution* solution,
                          const Workspace& workspace) {
+  if (problem.friction) return SolveWithFriction(problem, passive, solution, workspace);
   const int n = problem.delassus.size;
-  const bool viscous = problem.dissipation == Dissipation::kViscous && problem.restitution < 1;
+  const bool viscous = IsViscous(problem);
   if (n == 1 && !viscous) return SolveIsolated(problem, solution);
   ImpactReport report = viscous ? IntegrateViscous(problem, solution, workspace)
                                 : IntegrateCompression(problem, solution, workspace);

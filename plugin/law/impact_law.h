@@ -17,7 +17,7 @@ constexpr double kDefaultTolerance = 1e-5;
 constexpr double kSmallestTolerance = 1e-12, kLargestTolerance = 1e-2;
 
 // Numbers and indices of workspace that SolveImpact needs for an island of `size` contacts.
-int ImpactNumbers(int size);
+int ImpactNumbers(int size, bool friction = false);
 int ImpactIndices(int size);
 
 // Fills `solution`. With `passive` false the impulses are left as integrated.

@@ -8,7 +8,8 @@
 //   dc/dt = −W F          dy_k/dt = c_k  (the dissipation law may change the rate of expansion)
 //
 // and what the bodies feel is the impulse P_k = ∫ F_k dt [N s] and when it came, M_k = ∫ t F_k dt
-// [N s²]. Time t starts when the first contact of the island closes.
+// [N s²]. Time t starts when the first contact of the island closes. Coulomb friction adds
+// tangential rows (coulomb.h); without it nothing has any.
 //
 // Nothing here knows about bodies or MuJoCo: the engine builds the problem, a law solves it.
 
@@ -17,6 +18,7 @@
 
 #include <limits>
 
+#include "law/coulomb.h"
 #include "law/delassus.h"
 
 namespace mujoco_impact::law {
@@ -43,6 +45,10 @@ struct ImpactProblem {
   double work = 1e8, work_of_end = 1e7;
   // [s] the longest flight that may belong to the same impact however long its contacts last
   double longest_flight = std::numeric_limits<double>::infinity();
+  const CoulombFriction* friction = nullptr;  // null: none
+  // (size) [m/s] no contact closes again after a flight that closes slower than this: it is left to
+  // rest. Null: any does
+  const double* rest_speed = nullptr;
 };
 
 // Arrays of `size`, owned by the caller.
@@ -52,6 +58,10 @@ struct ImpactSolution {
   double* onset;           // first time with force [s]
   double* closing_speed;   // c_k after the impact [m/s], ≤ 0 up to the tolerance
   double* peak = nullptr;  // largest F_k at the steps of the integration [N]; null: not wanted
+  // arrays of 2 `size`, in the order of CoulombFriction::slip; needed if the problem has friction
+  double* friction = nullptr;         // ∫ F_t dt [N s], |·| ≤ μ P_k
+  double* friction_moment = nullptr;  // ∫ t F_t dt [N s²]
+  double* slip = nullptr;             // v after the impact [m/s]
 };
 
 // Memory of an integration, owned by the caller.

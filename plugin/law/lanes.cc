@@ -11,10 +11,13 @@ Lanes::Lanes(const ImpactProblem& problem, const ImpactSolution& solution, const
     : problem_(problem),
       solution_(solution),
       free_(workspace.numbers),
-      y_of_contact_(free_ + (kArrays + arrays) * (problem.delassus.size + kMargin)),
+      y_of_contact_(free_ + (kArrays + arrays + (problem.friction ? kFrictionArrays : 0)) *
+                                (problem.delassus.size + kMargin)),
       c_of_contact_(y_of_contact_ + problem.delassus.size),
       window_(problem, solution, scale, {c_of_contact_ + problem.delassus.size, workspace.indices}),
-      lane_(workspace.indices + Window::kIndexArrays * problem.delassus.size) {
+      lane_(workspace.indices + Window::kIndexArrays * problem.delassus.size),
+      ratio_of_contact_(c_of_contact_ + (1 + Window::kArrays) * problem.delassus.size),
+      value_(problem.delassus.value) {
   double** const own[kArrays] = {&y,        &c,      &impulse, &moment, &stiffness,
                                  &matters_, &lower_, &middle_, &upper_};
   for (double** array : own) *array = Take();
@@ -24,20 +27,28 @@ Lanes::Lanes(const ImpactProblem& problem, const ImpactSolution& solution, const
     solution.impulse[k] = solution.moment[k] = solution.onset[k] = 0;
     lane_[k] = -1;
   }
+  if (problem.friction) {
+    for (double** array : {&ratio, &slip, &friction_impulse, &friction_moment}) *array = Take(2);
+    for (double* array : {ratio_of_contact_, solution.friction, solution.friction_moment}) {
+      std::fill_n(array, 2 * problem.delassus.size, 0.0);
+    }
+  }
   window_.Move(0, y_of_contact_, c_of_contact_);
   Load();
 }
 
-int Lanes::Numbers(int size, int arrays) {
-  return (kArrays + arrays) * (size + kMargin) + (kContactArrays + Window::kArrays) * size;
+int Lanes::Numbers(int size, int arrays, bool friction) {
+  const int of_friction = friction ? kFrictionArrays * (size + kMargin) + 2 * size : 0;
+  return (kArrays + arrays) * (size + kMargin) + (kContactArrays + Window::kArrays) * size +
+         of_friction;
 }
 
 int Lanes::Indices(int size) { return (Window::kIndexArrays + 1) * size; }
 
-double* Lanes::Take() {
-  const int length = problem_.delassus.size + kMargin;
+double* Lanes::Take(int width) {
+  const int length = width * (problem_.delassus.size + kMargin);
   std::fill_n(free_, length, 0.0);
-  double* array = free_ + 1;
+  double* array = free_ + width;
   free_ += length;
   return array;
 }
@@ -73,6 +84,33 @@ void Lanes::Store() {
     solution_.impulse[k] = impulse[i];
     solution_.moment[k] = moment[i];
   }
+  if (problem_.friction) StoreFriction();
+}
+
+void Lanes::StoreFriction() const {
+  for (int i = 0; i < size(); ++i) {
+    const int k = contact(i);
+    Put(ratio_of_contact_ + 2 * k, At(ratio + 2 * i));
+    Put(solution_.friction + 2 * k, At(friction_impulse + 2 * i));
+    Put(solution_.friction_moment + 2 * k, At(friction_moment + 2 * i));
+  }
+}
+
+void Lanes::LoadFriction() {
+  SlipAfter(problem_.delassus, *problem_.friction, solution_.impulse, solution_.friction,
+            solution_.slip);
+  for (int i = 0; i < size(); ++i) {
+    const int k = contact(i);
+    Put(ratio + 2 * i, At(ratio_of_contact_ + 2 * k));
+    Put(slip + 2 * i, At(solution_.slip + 2 * k));
+    Put(friction_impulse + 2 * i, At(solution_.friction + 2 * k));
+    Put(friction_moment + 2 * i, At(solution_.friction_moment + 2 * k));
+  }
+  for (int i = size(); i < padded() + 1; ++i) {
+    for (double* array : {ratio, slip, friction_impulse, friction_moment})
+      Put(array + 2 * i, Pair{});
+  }
+  ApplyRatios();
 }
 
 void Lanes::Load() {
@@ -95,6 +133,26 @@ void Lanes::Load() {
   for (int i = 0; !tridiagonal_ && i < size(); ++i) {
     product_cost_ += RowCost(problem_.delassus, contact(i));
   }
+  if (problem_.friction) LoadFriction();
+}
+
+void Lanes::ApplyRatios() {
+  const DelassusMatrix& W = problem_.delassus;
+  // by bodies the product looks at the ratios itself
+  if (W.by_body) return;
+  const CoulombFriction& friction = *problem_.friction;
+  for (int i = 0; i < size(); ++i) {
+    const int k = contact(i);
+    for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
+      const int j = lane_[W.column[a]];
+      const Pair of_friction = At(friction.block[a].nt) * At(ratio + 2 * j);
+      const double value = W.value[a] + (of_friction[0] + of_friction[1]);
+      friction.work[a] = value;
+      if (!tridiagonal_ || j < 0) continue;
+      (j < i ? lower_ : j > i ? upper_ : middle_)[i] = value;
+    }
+  }
+  value_ = friction.work;
 }
 
 void Lanes::LoadMatrix() {
@@ -123,7 +181,7 @@ void Lanes::MultiplyRows(const double* x, double* product) const {
     double sum = 0;
     // the zero in front stands for the contacts outside
     for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
-      sum += W.value[a] * x[lane_[W.column[a]]];
+      sum += value_[a] * x[lane_[W.column[a]]];
     }
     product[i] = sum;
   }
@@ -135,6 +193,13 @@ void Lanes::MultiplyByBody(const BodyRows& rows, const double* x, double* produc
   for (int i = 0; i < size(); ++i) {
     if (x[i] != 0) AddAnswer(rows, contact(i), x[i], rows.work);
   }
+  if (problem_.friction) {
+    const BodyRows tangents = TangentRows(problem_.delassus, *problem_.friction);
+    for (int i = 0; i < 2 * size(); ++i) {
+      const double force = ratio[i] * x[i / 2];
+      if (force != 0) AddAnswer(tangents, 2 * contact(i / 2) + i % 2, force, rows.work);
+    }
+  }
   for (int i = 0; i < size(); ++i) product[i] = RowTimes(rows, contact(i), rows.work);
   if (size() < padded()) product[size()] = 0;
 }
@@ -144,6 +209,7 @@ void Lanes::Finish() {
     solution_.impulse[contact(i)] = impulse[i];
     solution_.moment[contact(i)] = moment[i];
   }
+  if (problem_.friction) StoreFriction();
 }
 
 }  // namespace mujoco_impact::law

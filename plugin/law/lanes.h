@@ -17,11 +17,11 @@ namespace mujoco_impact::law {
 
 class Lanes {
  public:
-  // With room for `arrays` arrays of the integrator's own.
+  // With room for arrays of the integrator's own, `arrays` numbers a lane.
   Lanes(const ImpactProblem& problem, const ImpactSolution& solution, const ImpactScale& scale,
         int arrays, const Workspace& workspace);
 
-  static int Numbers(int size, int arrays);
+  static int Numbers(int size, int arrays, bool friction);
   static int Indices(int size);
 
   const Window& window() const { return window_; }
@@ -35,11 +35,15 @@ class Lanes {
   // The lane of a contact; −1 if it is outside the window.
   int lane(int contact) const { return lane_[contact]; }
 
-  // An array of the integrator's own, zeroed.
-  double* Take();
+  // An array of the integrator's own, zeroed, of so many numbers a lane.
+  double* Take(int width = 1);
 
   // Lets contacts in and out after a step that ended at t; true if the lanes are other ones now.
   bool Move(double t);
+
+  // Makes the products those by W_nn + W_nt ratio: of normal forces with the friction that they
+  // bring with them.
+  void ApplyRatios();
 
   // product = W x; x has zeros in its padding.
   void Multiply(const double* x, double* product) const {
@@ -57,16 +61,23 @@ class Lanes {
   double *impulse, *moment;  // P [N s], M [N s²] so far
   double* stiffness;         // K [N/m^1.5]; 0 in the padding
 
+  // with friction, two numbers a lane: F_t / F, v [m/s], and what friction has given so far
+  double *ratio = nullptr, *slip = nullptr;
+  double *friction_impulse = nullptr, *friction_moment = nullptr;
+
  private:
-  static constexpr int kArrays = 9;         // of lanes
-  static constexpr int kContactArrays = 2;  // by contact
-  static constexpr int kMargin = 3;         // numbers that an array of lanes has beyond its size
+  static constexpr int kArrays = 9;          // of lanes
+  static constexpr int kContactArrays = 2;   // by contact
+  static constexpr int kFrictionArrays = 8;  // of lanes, if there is friction
+  static constexpr int kMargin = 3;          // numbers that an array of lanes has beyond its size
 
   void Load();
   void Store();
   void LoadMatrix();
   void MultiplyRows(const double* x, double* product) const;
   void MultiplyByBody(const BodyRows& rows, const double* x, double* product) const;
+  void LoadFriction();
+  void StoreFriction() const;
   bool MustMove(double t) const;
 
   const ImpactProblem& problem_;
@@ -75,8 +86,10 @@ class Lanes {
   double *y_of_contact_, *c_of_contact_;
   Window window_;
   int* lane_;
+  double* ratio_of_contact_;
   double* matters_;                   // by lane: 1 if it keeps its neighbours in the window
   double *lower_, *middle_, *upper_;  // W, if lanes couple with their neighbours only
+  const double* value_;               // the entries of W, or what friction makes of them
   bool tridiagonal_ = false;
   double product_cost_ = 0;
 };

@@ -20,6 +20,12 @@ void FindBounds(const ImpactProblem& problem, double t, const ImpactSolution& so
   const int n = problem.delassus.size;
   for (int k = 0; k < n; ++k) lever[k] = t * solution.impulse[k] - solution.moment[k];
   Multiply(problem.delassus, lever, bound);
+  if (problem.friction) {
+    for (int i = 0; i < 2 * n; ++i) {
+      lever[i] = t * solution.friction[i] - solution.friction_moment[i];
+    }
+    AddTangential(problem.delassus, *problem.friction, lever, bound);
+  }
   const double time_left = std::max(problem.horizon - t, 0.0);
   for (int k = 0; k < n; ++k) {
     const double gap = problem.gap[k] - problem.closing_speed[k] * t + bound[k];

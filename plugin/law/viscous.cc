@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "law/friction_step.h"
 #include "law/impact_clock.h"
 #include "law/lanes.h"
 
@@ -39,6 +41,7 @@ class Integrator {
   void EvaluateStage(const double* y, const double* c, int stage);
   void CombineStages(double h, int stage);
   double TryStep(double h);
+  double TryFriction(double h);
   void Accept(double h);
   void MoveWindow();
 
@@ -51,6 +54,7 @@ class Integrator {
   // by lane: the step tried, and F, W F, c at the stages
   double *y_new_, *c_new_;
   double *force_[kStages], *pull_[kStages], *speed_[kStages];
+  std::optional<FrictionStep> friction_;
 };
 
 Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution,
@@ -59,7 +63,8 @@ Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution,
       solution_(*solution),
       scale_(MeasureScale(problem)),
       damping_(scale_.speed > 0 ? ViscousDamping(problem.restitution) / scale_.speed : 0),
-      lanes_(problem, *solution, scale_, kArrays, workspace),
+      lanes_(problem, *solution, scale_, kArrays + (problem.friction ? FrictionStep::kArrays : 0),
+             workspace),
       y_new_(lanes_.Take()),
       c_new_(lanes_.Take()) {
   for (int i = 0; i < kStages; ++i) {
@@ -67,6 +72,7 @@ Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution,
     pull_[i] = lanes_.Take();
     speed_[i] = lanes_.Take();
   }
+  if (problem.friction) friction_.emplace(problem, scale_, lanes_);
   EvaluateStage(lanes_.y, lanes_.c, 0);
 }
 
@@ -114,6 +120,21 @@ double Integrator::TryStep(double h) {
   return error / problem_.tolerance;
 }
 
+// The friction of the step tried: changes c_new, and returns the error of it.
+double Integrator::TryFriction(double h) {
+  for (int i = 0; i < lanes_.size(); ++i) {
+    double dP = 0, dM = 0;
+    for (int j = 0; j < kStages - 1; ++j) {
+      const double weighted = kCombine[kStages - 1][j] * h * force_[j][i];
+      dP += weighted;
+      dM += weighted * (t_ + kNode[j] * h);
+    }
+    friction_->dP[i] = dP;
+    friction_->dM[i] = dM;
+  }
+  return friction_->Try(force_[0], force_[kStages - 1], c_new_);
+}
+
 void Integrator::Accept(double h) {
   for (int i = 0; i < lanes_.size(); ++i) {
     double dP = 0, dM = 0;
@@ -136,11 +157,15 @@ void Integrator::Accept(double h) {
   std::swap(pull_[0], pull_[kStages - 1]);
   std::swap(speed_[0], speed_[kStages - 1]);
   t_ += h;
+  if (!friction_) return;
+  friction_->Accept();
+  EvaluateStage(lanes_.y, lanes_.c, 0);
 }
 
 void Integrator::MoveWindow() {
   LeaveLateClosings(problem_, scale_, t_, lanes_);
   if (!lanes_.Move(t_)) return;
+  if (friction_) friction_->Load();
   work_ += SearchCost(problem_, lanes_);
   EvaluateStage(lanes_.y, lanes_.c, 0);
 }
@@ -162,12 +187,18 @@ ImpactReport Integrator::Run() {
       h = std::min(h, first_step);
     }
     const double error = TryStep(h);
-    if (error <= 1) {
+    double growth = StepGrowth(error, 5);
+    double of_friction = 0;
+    if (friction_ && error <= 1) {
+      of_friction = TryFriction(h);
+      growth = std::min(growth, FrictionStep::Growth(of_friction));
+    }
+    if (error <= 1 && of_friction <= 1) {
       Accept(h);
       MoveWindow();
       ++report.steps;
     }
-    h *= StepGrowth(error, 5);
+    h *= growth;
   }
   lanes_.Finish();
   for (int k = 0; k < problem_.delassus.size; ++k) {
@@ -194,7 +225,10 @@ double ViscousDamping(double restitution) {
   return 0.5 * (low + high);
 }
 
-int ViscousWorkspace(int size) { return Lanes::Numbers(size, Integrator::kArrays); }
+int ViscousWorkspace(int size, bool friction) {
+  return Lanes::Numbers(size, Integrator::kArrays + (friction ? FrictionStep::kArrays : 0),
+                        friction);
+}
 
 ImpactReport IntegrateViscous(const ImpactProblem& problem, ImpactSolution* solution,
                               const Workspace& workspace) {

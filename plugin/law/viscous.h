@@ -24,7 +24,7 @@ constexpr double kViscousMinimum = 0.05;
 double ViscousDamping(double restitution);
 
 // Doubles of workspace that an island of `size` contacts needs.
-int ViscousWorkspace(int size);
+int ViscousWorkspace(int size, bool friction);
 
 ImpactReport IntegrateViscous(const ImpactProblem& problem, ImpactSolution* solution,
                               const Workspace& workspace);

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "law/pair.h"
+
 namespace mujoco_impact::law {
 
 namespace {
@@ -90,6 +92,15 @@ void Window::NeighbourSums(int k, double* impulse, double* moment) const {
     *impulse += W.value[a] * solution_.impulse[W.column[a]];
     *moment += W.value[a] * solution_.moment[W.column[a]];
   }
+  if (!problem_.friction) return;
+  Pair of_impulse{}, of_moment{};
+  for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
+    const Pair nt = At(problem_.friction->block[a].nt);
+    of_impulse += nt * At(solution_.friction + 2 * W.column[a]);
+    of_moment += nt * At(solution_.friction_moment + 2 * W.column[a]);
+  }
+  *impulse += of_impulse[0] + of_impulse[1];
+  *moment += of_moment[0] + of_moment[1];
 }
 
 void Window::Enter(int k, double t, double* y, double* c) {
@@ -127,6 +138,10 @@ void Window::Move(double t, double* y, double* c) {
   if (const BodyRows* rows = W.by_body) {
     Answer(W, solution_.impulse, rows->work + rows->dofs());
     Answer(W, solution_.moment, rows->work + 2 * rows->dofs());
+    if (const CoulombFriction* friction = problem_.friction) {
+      AddTangentAnswers(W, *friction, solution_.friction, rows->work + rows->dofs());
+      AddTangentAnswers(W, *friction, solution_.friction_moment, rows->work + 2 * rows->dofs());
+    }
   }
   std::swap(member_, previous_);
   ++generation_;

@@ -110,6 +110,112 @@ def solve_impact(
     return ImpactSolution(P, M, t, after, steps)
 
 
+@dataclass(frozen=True)
+class FrictionSolution:
+    """What an impact with friction does to the contacts of an island.
+
+    The last axis is (n, t1, t2): along the normal and the two tangents.
+
+    Attributes:
+        impulse: P [N s], shape (n, 3); P_n ≥ 0, |P_t| ≤ μ P_n.
+        moment: ∫ t F dt about the start of the impact [N s²], shape (n, 3).
+        onset: First time with force [s], shape (n,).
+        velocity: Relative velocity after the impact [m/s], shape (n, 3).
+        steps: Integration steps taken; 1 for a closed form.
+    """
+
+    impulse: Array
+    moment: Array
+    onset: Array
+    velocity: Array
+    steps: int
+
+
+def solve_impact_with_friction(
+    delassus: npt.ArrayLike,
+    velocity: npt.ArrayLike,
+    stiffness: npt.ArrayLike,
+    mu: npt.ArrayLike,
+    *,
+    gap: npt.ArrayLike = 0.0,
+    restitution: float = 1.0,
+    dissipation: Literal["bistiffness", "viscous"] = "bistiffness",
+    horizon: float = np.inf,
+    tolerance: float = 1e-6,
+    passive: bool = True,
+) -> FrictionSolution:
+    """Solves the impact of an island by the law `hertz` with Coulomb friction.
+
+    The rows of contact k are 3 k (normal n), 3 k + 1 and 3 k + 2 (two tangents t1
+    and t2, perpendicular to n and to each other): u = J v is the velocity of one side
+    relative to the other, positive along n where they part, and impulses P change it
+    to u + W P.
+
+    Args:
+        delassus: W = J M⁻¹ Jᵀ of all rows [1/kg], shape (3 n, 3 n), symmetric.
+        velocity: u before the impact [m/s], shape (n, 3); u_n < 0 closes.
+        stiffness: Hertz stiffness K [N/m^1.5], shape (n,) or one for all.
+        mu: Coefficient of friction [-] ≥ 0, shape (n,) or one for all.
+        gap: Gap still open [m] ≥ 0, shape (n,) or one for all.
+        restitution: e in [0, 1], at least 0.05 for `viscous`. It is energetic: a
+            sticking contact whose tangents couple with its normal parts faster than
+            with e |u_n|.
+        dissipation: How energy is lost along the normal, see `plugin/law/`.
+        horizon: A contact that would close later than this [s], all others open,
+            is left alone.
+        tolerance: Error allowed per step, relative.
+        passive: Whether the guard against gaining energy is on.
+
+    Raises:
+        LawError: If an argument is out of range or the impact does not end.
+    """
+    W = np.ascontiguousarray(delassus, dtype=np.float64)
+    u = np.ascontiguousarray(velocity, dtype=np.float64)
+    n = len(u)
+    if u.shape != (n, 3):
+        raise LawError(f"velocity has shape {u.shape}, allowed: (n, 3)")
+    if W.shape != (3 * n, 3 * n):
+        raise LawError(f"delassus has shape {W.shape}, allowed: ({3 * n}, {3 * n})")
+    if not np.all(np.isfinite(W)) or not np.allclose(W, W.T, rtol=1e-9, atol=0):
+        raise LawError(f"delassus = {W}: must be finite and symmetric")
+    if not np.all(np.isfinite(u)):
+        raise LawError(f"velocity = {u}: every number must be finite")
+    K, y, friction = (
+        np.ascontiguousarray(np.broadcast_to(values, n), dtype=np.float64)
+        for values in (stiffness, gap, mu)
+    )
+    c, slip = np.ascontiguousarray(-u[:, 0]), np.ascontiguousarray(u[:, 1:])
+    _check_island(W[::3, ::3], c, K, y)
+    _check_loss(restitution, dissipation, tolerance)
+    if not np.all(np.isfinite(friction) & (friction >= 0)):
+        raise LawError(f"mu = {friction}: allowed: finite numbers >= 0")
+    # (n, n, 3, 3): the couplings of two contacts
+    blocks = W.reshape(n, 3, n, 3).swapaxes(1, 2)
+    rows, columns = np.nonzero(np.any(blocks != 0, axis=(2, 3)))
+    start = np.searchsorted(rows, np.arange(n + 1)).astype(np.int32)
+    entries = blocks[rows, columns]
+    tangents = np.concatenate([entries[:, 0, 1:], entries[:, 1:, 0]], axis=1)
+    block = np.concatenate([tangents, entries[:, 1:, 1:].reshape(-1, 4)], axis=1)
+    P, M, t, after = (np.zeros(n) for _ in range(4))
+    Q, N, slip_after = (np.zeros((n, 2)) for _ in range(3))
+    steps = _library().mujoco_impact_solve_with_friction(
+        n, start, columns.astype(np.int32), np.ascontiguousarray(entries[:, 0, 0]),
+        np.ascontiguousarray(block), c, slip, y, K, friction, restitution,
+        _DISSIPATION[dissipation], horizon, tolerance, int(passive), P, M, t, after,
+        Q, N, slip_after,
+    )  # fmt: skip
+    if steps < 0:
+        msg = f"the impact of {n} contacts did not end within {-steps} steps"
+        raise LawError(msg)
+    return FrictionSolution(
+        np.column_stack([P, Q]),
+        np.column_stack([M, N]),
+        t,
+        np.column_stack([-after, slip_after]),
+        steps,
+    )
+
+
 def passive_scale(
     delassus: npt.ArrayLike, closing_speed: npt.ArrayLike, impulse: npt.ArrayLike
 ) -> float:
@@ -229,6 +335,11 @@ def _library() -> ctypes.CDLL:
     library.mujoco_impact_solve.argtypes = [
         *rows, _DOUBLES, _DOUBLES, _DOUBLES, number, integer, number, number, integer,
         _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES,
+    ]  # fmt: skip
+    library.mujoco_impact_solve_with_friction.restype = integer
+    library.mujoco_impact_solve_with_friction.argtypes = [
+        *rows, *[_DOUBLES] * 6, number, integer, number, number, integer,
+        *[_DOUBLES] * 7,
     ]  # fmt: skip
     return library
 

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "law/coulomb.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "law/friction_on_disc.h"
+#include "tests/islands.h"
+
+namespace mujoco_impact::law {
+namespace {
+
+constexpr double kSolved = 3e-6;  // of the default tolerance, in parts of the speed
+
+FreeIsland BallOnGround(double speed, double spin, double mu) {
+  return FreeIsland({Ball(0.17, 0.03, {0, 0, 0.03}, {speed, 0, -1, 0, spin, 0})},
+                    {{-1, 0, {0, 0, 0}, {0, 0, 1}, {1, 0, 0}, mu}});
+}
+
+TEST(Coulomb, ABallThatSlidesThroughoutIsPushedByMu) {
+  for (const double e : {1.0, 0.5, 0.0}) {
+    FreeIsland island = BallOnGround(3, 0, 0.3);
+    const auto v = island.After(island.Solve({.restitution = e}), 0);
+    EXPECT_NEAR(v[0], 3 - 0.3 * (1 + e), kSolved);
+    EXPECT_NEAR(v[2], e, kSolved);
+    EXPECT_NEAR(v[4], 2.5 * 0.3 * (1 + e) / 0.03, kSolved / 0.03);
+  }
+}
+
+TEST(Coulomb, ABallThatSticksRolls) {
+  FreeIsland island = BallOnGround(0.3, 0, 0.3);
+  const auto v = island.After(island.Solve({.restitution = 0.8}), 0);
+  EXPECT_NEAR(v[0], 0.3 * 5 / 7, kSolved);
+  EXPECT_NEAR(v[4], v[0] / 0.03, kSolved / 0.03);
+}
+
+// A tumbling box on three of its corners beside a ball that it touches, the ball on the ground:
+// three dimensions, two bodies, all kinds of couplings.
+FreeIsland BoxAndBall() {
+  const FreeBody box{1.3, {0.002, 0.003, 0.004}, {0, 0, 0.05}, {0.4, -0.2, -1, 2, -3, 5}};
+  const double s = std::sqrt(0.5);
+  return FreeIsland({box, Ball(0.4, 0.05, {0.15, 0.02, 0.05}, {-0.3, 0.1, -0.2, 1, 2, -4})},
+                    {{-1, 0, {0.1, 0.06, 0}, {0, 0, 1}, {1, 0, 0}, 0.4},
+                     {-1, 0, {-0.1, 0.06, 0}, {0, 0, 1}, {s, s, 0}, 0.3},
+                     {-1, 0, {-0.1, -0.06, 0}, {0, 0, 1}, {0, 1, 0}, 0.0},
+                     {0, 1, {0.1, 0.02, 0.05}, {1, 0, 0}, {0, 0, 1}, 0.2, 1e-6},
+                     {-1, 1, {0.15, 0.02, 0}, {0, 0, 1}, {0, 1, 0}, 0.5}});
+}
+
+TEST(Coulomb, CompressedRowsAndRowsByBodyAreTheSame) {
+  for (const auto dissipation : {Dissipation::kBistiffness, Dissipation::kViscous}) {
+    FreeIsland island = BoxAndBall();
+    const FreeIsland::Options options{.restitution = 0.7, .dissipation = dissipation};
+    FreeIsland::Options by_body = options;
+    by_body.by_body = true;
+    const auto one = island.Solve(options), other = island.Solve(by_body);
+    ASSERT_TRUE(one.report.converged);
+    EXPECT_GT(*std::max_element(one.impulse.begin(), one.impulse.end()), 0.1);
+    for (std::size_t i = 0; i < one.friction.size(); ++i) {
+      // rounding that a dozen steps amplify
+      EXPECT_NEAR(one.impulse[i / 2], other.impulse[i / 2], 1e-9);
+      EXPECT_NEAR(one.friction[i], other.friction[i], 1e-9);
+      EXPECT_NEAR(one.slip[i], other.slip[i], 1e-9);
+      EXPECT_NEAR(one.friction_moment[i], other.friction_moment[i], 1e-12);
+    }
+  }
+}
+
+TEST(Coulomb, FrictionStaysInItsConeAndLosesEnergy) {
+  const double mu[] = {0.4, 0.3, 0.0, 0.2, 0.5};
+  for (const double e : {1.0, 0.6, 0.0}) {
+    FreeIsland island = BoxAndBall();
+    const auto result = island.Solve({.restitution = e});
+    ASSERT_TRUE(result.report.converged);
+    for (int k = 0; k < 5; ++k) {
+      const double size = std::hypot(result.friction[2 * k], result.friction[2 * k + 1]);
+      EXPECT_LE(size, mu[k] * result.impulse[k] * (1 + 1e-12));
+    }
+    EXPECT_LT(island.EnergyAfter(result), 0.99 * island.EnergyBefore());
+  }
+}
+
+TEST(FrictionOnDisc, SlidingIsAgainstTheMeanSlipAndOnTheRim) {
+  const Tangents A{3, 1, 2};
+  const Pair v{2, -1}, b{1.5, -2};
+  const double R = 0.1;
+  const Pair p = FrictionOfStep(A, v, b, R);
+  EXPECT_NEAR(std::hypot(p[0], p[1]), R, 1e-9);
+  const double mean[] = {v[0] + b[0] + 3 * p[0] + p[1], v[1] + b[1] + p[0] + 2 * p[1]};
+  EXPECT_NEAR(mean[0] * p[1] - mean[1] * p[0], 0, 1e-8);
+  EXPECT_LT(mean[0] * p[0] + mean[1] * p[1], 0);
+}
+
+TEST(FrictionOnDisc, StickingStopsTheSlip) {
+  const Tangents A{3, 1, 2};
+  const Pair b{0.2, -0.1}, p = FrictionOfStep(A, Pair{5, 5}, b, 1);
+  EXPECT_NEAR(b[0] + 3 * p[0] + p[1], 0, 1e-15);
+  EXPECT_NEAR(b[1] + p[0] + 2 * p[1], 0, 1e-15);
+}
+
+}  // namespace
+}  // namespace mujoco_impact::law
