@@ -50,3 +50,7 @@ class LawError(ImpactError, ValueError):
 
 class ShotsError(ImpactError, ValueError):
     """Measured shots are missing, damaged, or cannot be calibrated with."""
+
+
+class RenderingError(ImpactError):
+    """This machine cannot draw the scene: no OpenGL, or no display for a window."""
