@@ -2,7 +2,7 @@
 
 Importing the package registers the engine plugin `mujoco_impact.waveform`. What needs
 more than MuJoCo and NumPy (`calibrate`, `compare`, `envs`, `law`, `metrics`,
-`reference`, `rollout`, `sensor`) is imported when it is first used.
+`reference`, `rollout`, `sensor`, `video`) is imported when it is first used.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from mujoco_impact.scene import attach  # noqa: E402
 from mujoco_impact.trajectory import Trajectory  # noqa: E402
 
 if TYPE_CHECKING:
-    from mujoco_impact import calibration, envs, law, metrics, reference, sensor
+    from mujoco_impact import calibration, envs, law, metrics, reference, sensor, video
     from mujoco_impact.calibration import Calibration, calibrate
     from mujoco_impact.compare import Comparison, compare
     from mujoco_impact.rollouts import Rollouts, rollout
@@ -48,9 +48,10 @@ __all__ = [
     "rollout",
     "run",
     "sensor",
+    "video",
 ]
 
-_MODULES = ("calibration", "envs", "law", "metrics", "reference", "sensor")
+_MODULES = ("calibration", "envs", "law", "metrics", "reference", "sensor", "video")
 _MEMBERS = {
     "Calibration": "calibration",
     "Comparison": "compare",

@@ -125,6 +125,55 @@ class Trajectory:
             raise TrajectoryError(msg) from error
         return target
 
+    def render(
+        self,
+        model: Any,
+        path: str | os.PathLike[str],
+        *,
+        caption: str = "",
+        speed: float = 1.0,
+        camera: str | int | None = None,
+        size: tuple[int, int] = (640, 480),
+        fps: int = 25,
+        arrows: bool = True,
+        keyframe: str | int | None = None,
+        at: float | None = None,
+    ) -> Path:
+        """Writes a video of the motion, without a display (extra `video`).
+
+        Args:
+            model: The model that was run: an MjModel, a specification, path or XML
+                text. A scene that is not compiled gets a sky and a light if it has
+                none, where MuJoCo shows black.
+            path: File to write: .mp4, .gif, .webp, or .png for one picture.
+            caption: Text above.
+            speed: Simulated seconds in a second of video; below 1 is slow motion.
+            camera: Name or number of a camera of the model. None: its first one that
+                stands still, else one that sees all that moves.
+            size: Width and height [pixels], without caption and footer.
+            fps: Pictures per second of video.
+            arrows: Whether impulses are drawn as arrows.
+            keyframe: Keyframe that the run started from: mocap bodies, which are not
+                recorded, stand where it has them.
+            at: Time of a .png [s]; by default that of the first impact, or the end.
+
+        Returns:
+            The path written.
+
+        Raises:
+            RenderingError: If this machine has no OpenGL, neither EGL nor OSMesa.
+            MissingExtraError: If a library is missing.
+            ConfigError: If a number or the ending of the path is not valid.
+            SceneError: If the model or the camera is not valid.
+        """
+        from mujoco_impact import video
+
+        view = video.View(speed=speed, camera=camera, size=size, fps=fps, arrows=arrows)
+        panels = [video.Panel.of(self, caption)]
+        return video.write_video(
+            model, panels, path, view=view, keyframe=keyframe, at=at
+        )
+
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Trajectory:
         """Reads a trajectory written by `save`.

@@ -11,6 +11,7 @@ from mujoco_impact.cli.doctor import doctor
 from mujoco_impact.cli.paper import force_sensor, paper
 from mujoco_impact.cli.run import run
 from mujoco_impact.cli.stress import stress
+from mujoco_impact.cli.video import video
 
 app = typer.Typer(
     name="mujoco-impact",
@@ -26,6 +27,7 @@ for command in (
     demo,
     run,
     compare,
+    video,
     calibrate,
     shots,
     paper,

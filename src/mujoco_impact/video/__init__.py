@@ -10,26 +10,26 @@ import copy
 import dataclasses
 import math
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
 
-from mujoco_impact.errors import ConfigError
+from mujoco_impact.errors import ConfigError, SceneError
 from mujoco_impact.runner import Model, initial_data
 from mujoco_impact.source import read_spec
 from mujoco_impact.specifications import compile_spec
 from mujoco_impact.video import arrows, encode, page
 from mujoco_impact.video.camera import Projection, camera_of
 from mujoco_impact.video.motion import Panel, place
-from mujoco_impact.video.opengl import backend_name, new_context, opengl
+from mujoco_impact.video.opengl import backend_name, drawing_context
 
 if TYPE_CHECKING:
     from PIL import Image
 
-__all__ = ["Panel", "View", "check_rendering", "frames", "video"]
+__all__ = ["Panel", "View", "check_rendering", "frames", "write_video"]
 
 MOST_FRAMES = 20_000
 """Most pictures of a video; more is a slip of the speed."""
@@ -98,7 +98,7 @@ def check_rendering(path: str | os.PathLike[str]) -> None:
     backend_name()
 
 
-def video(
+def write_video(
     model: Model,
     panels: Sequence[Panel],
     path: str | os.PathLike[str],
@@ -148,43 +148,51 @@ def frames(
     *,
     view: View,
     keyframe: str | int | None = None,
-) -> Iterator[Image.Image]:
-    """Yields the picture of each time, with captions; see `video`."""
+) -> Generator[Image.Image, None, None]:
+    """Yields the picture of each time, with captions; see `write_video`."""
     compiled = _dressed(model)
     data = initial_data(compiled, keyframe=keyframe)
+    for panel in panels:
+        if panel.qpos.shape[1] != compiled.nq:
+            msg = (
+                f"the motion has {panel.qpos.shape[1]} positions, the model "
+                f"{compiled.nq}: give the model that was run"
+            )
+            raise SceneError(msg)
     shown = [
-        arrows.arrows_of(compiled, data, panel) if view.arrows else []
+        arrows.arrows_of(compiled, panel.impacts) if view.arrows else []
         for panel in panels
     ]
     captions = [(panel.caption, "mujoco-impact" in panel.caption) for panel in panels]
     aspect = view.size[0] / view.size[1]
     camera = camera_of(compiled, data, panels[0], view.camera, aspect)
     speed = page.speed_text(view.speed)
-    with opengl(*view.size):
-        canvas = _Canvas(compiled, camera, view)
-        try:
-            for time in times:
-                pictures = [
-                    canvas.picture(data, panel, marks, time)
-                    for panel, marks in zip(panels, shown, strict=True)
-                ]
-                yield page.side_by_side(pictures, captions, (f"t = {time:.3f} s", speed))
-        finally:
-            canvas.close()
+    with drawing_context(compiled, *view.size) as context:
+        canvas = _Canvas(compiled, camera, context, view)
+        for time in times:
+            pictures = [
+                canvas.picture(data, panel, marks, time)
+                for panel, marks in zip(panels, shown, strict=True)
+            ]
+            yield page.side_by_side(pictures, captions, (f"t = {time:.3f} s", speed))
 
 
 class _Canvas:
     """Draws one scene from one camera."""
 
     def __init__(
-        self, model: mujoco.MjModel, camera: mujoco.MjvCamera, view: View
+        self,
+        model: mujoco.MjModel,
+        camera: mujoco.MjvCamera,
+        context: mujoco.MjrContext,
+        view: View,
     ) -> None:
         self._model = model
         self._camera = camera
         self._view = view
         self._scene = mujoco.MjvScene(model, MOST_GEOMS)
         self._option = mujoco.MjvOption()
-        self._context = new_context(model, *view.size)
+        self._context = context
         width, height = view.size
         self._frame = mujoco.MjrRect(0, 0, width, height)
         self._pixels = np.zeros((height, width, 3), dtype=np.uint8)
@@ -208,10 +216,6 @@ class _Canvas:
         life = arrows.LIFE * self._view.speed
         arrows.draw(picture, marks, projection, now=time, life=life)
         return picture
-
-    def close(self) -> None:
-        """Gives back what MuJoCo keeps in the OpenGL context."""
-        self._context.free()
 
 
 def _dressed(model: Model) -> mujoco.MjModel:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import mujoco
 import numpy as np
 
+from mujoco_impact.impact import Impact
 from mujoco_impact.trajectory import Array
 from mujoco_impact.video.camera import Projection
-from mujoco_impact.video.motion import Panel
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -47,56 +47,39 @@ class Arrow:
     share: Array
 
 
-def arrows_of(
-    model: mujoco.MjModel, data: mujoco.MjData, panel: Panel
-) -> list[Arrow]:
-    """Returns the arrows of the impacts of a motion: one for each body that moves.
+def arrows_of(model: mujoco.MjModel, impacts: Iterable[Impact]) -> list[Arrow]:
+    """Returns the arrows of impacts: one for each body that moves.
 
     Points of one pair of geoms that begin at the same time are one arrow.
 
     Args:
         model: The model that was run.
-        data: Scratch data; mocap bodies stand where it has them.
-        panel: The motion.
+        impacts: Its impacts.
     """
-    met: dict[tuple[float, tuple[str, str]], float] = {}
-    for one in panel.impacts:
-        key = one.time, one.geoms
-        met[key] = met.get(key, 0.0) + one.impulse
-    largest = max(met.values(), default=0.0)
+    groups: dict[tuple[float, tuple[str, str]], list[Impact]] = {}
+    for impact in impacts:
+        groups.setdefault((impact.time, impact.geoms), []).append(impact)
+    impulses = {
+        key: np.sum([_impulse(one) for one in group], axis=0)
+        for key, group in groups.items()
+    }
+    largest = max((np.linalg.norm(one) for one in impulses.values()), default=0.0)
     arrows = []
-    for (time, geoms), impulse in met.items():
-        if impulse < SHORTEST * largest or impulse <= 0:
+    for (time, geoms), impulse in impulses.items():
+        if not np.linalg.norm(impulse) > SHORTEST * largest:
             continue
-        place = _contact(model, data, panel.at(model, time), geoms)
-        if place is None:
-            continue
-        point, normal = place
+        point = np.mean([one.position for one in groups[time, geoms]], axis=0)
         for geom, sign in zip(geoms, (-1.0, 1.0), strict=True):
             if model.body_weldid[model.geom_bodyid[_number(model, geom)]] != 0:
-                share = sign * impulse / largest * normal
-                arrows.append(Arrow(time, point, share))
+                arrows.append(Arrow(time, point, sign * impulse / largest))
     return arrows
 
 
-def _contact(
-    model: mujoco.MjModel, data: mujoco.MjData, qpos: Array, names: tuple[str, str]
-) -> tuple[Array, Array] | None:
-    """Returns point and normal of two geoms, from the first to the second."""
-    data.qpos[:] = qpos
-    mujoco.mj_fwdPosition(model, data)
-    first, second = (_number(model, name) for name in names)
-    geoms = np.asarray(data.contact.geom)
-    forward = (geoms == (first, second)).all(axis=1)
-    backward = (geoms == (second, first)).all(axis=1)
-    mine = forward | backward
-    if not mine.any():
-        return None
-    signs = np.where(forward, 1.0, -1.0)[mine][:, None]
-    normals = signs * np.asarray(data.contact.frame)[mine, :3]
-    point: Array = np.asarray(data.contact.pos)[mine].mean(axis=0)
-    normal: Array = normals.mean(axis=0)
-    return point, normal / (np.linalg.norm(normal) or 1.0)
+def _impulse(impact: Impact) -> Array:
+    """Returns the whole impulse on the second geom [N s], shape (3,)."""
+    normal = impact.impulse * np.array(impact.normal)
+    impulse: Array = normal + np.array(impact.tangential_impulse)
+    return impulse
 
 
 def _number(model: mujoco.MjModel, name: str) -> int:

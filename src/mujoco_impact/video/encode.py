@@ -94,9 +94,10 @@ def _write_mp4(frames: Iterable[Image.Image], path: Path, fps: int) -> None:
     import imageio.v2 as imageio
 
     # yuv420p halves the colours: both sides must be even
-    with imageio.get_writer(
+    writer: Any = imageio.get_writer(
         path, fps=fps, codec="libx264", quality=8, macro_block_size=2
-    ) as writer:
+    )
+    with writer:
         for frame in frames:
             writer.append_data(np.asarray(frame))
 

@@ -8,9 +8,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from mujoco_impact.impact import Impact
 from mujoco_impact.pendulums import PendulumRow
 from mujoco_impact.reference import ReferenceTrajectory
-from mujoco_impact.trajectory import Array, Impact, Trajectory
+from mujoco_impact.trajectory import Array, Trajectory
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -47,13 +48,14 @@ class Panel:
         """Returns the positions at a time between two samples, shape (nq,)."""
         after = int(np.searchsorted(self.time, time))
         if after == 0 or after == len(self.time):
-            return self.qpos[min(after, len(self.time) - 1)]
+            outer: Array = self.qpos[min(after, len(self.time) - 1)]
+            return outer
         start, end = self.qpos[after - 1], self.qpos[after]
         step = float(self.time[after] - self.time[after - 1])
         rates: Array = np.zeros(model.nv)
         mujoco.mj_differentiatePos(model, rates, step, start, end)
         # of rotations, too, which are not interpolated number by number
-        qpos = start.copy()
+        qpos: Array = start.copy()
         mujoco.mj_integratePos(model, qpos, rates, time - self.time[after - 1])
         return qpos
 

@@ -38,23 +38,35 @@ context.free()
 
 
 @contextlib.contextmanager
-def opengl(width: int, height: int) -> Iterator[None]:
-    """Makes a context current in which pictures of that size can be drawn.
+def drawing_context(
+    model: mujoco.MjModel, width: int, height: int
+) -> Iterator[mujoco.MjrContext]:
+    """Makes an OpenGL context current; yields MuJoCo's resources of a model in it.
+
+    Args:
+        model: The model; its offscreen buffer becomes large enough.
+        width: Width of the pictures [pixels].
+        height: Height of the pictures [pixels].
 
     Raises:
         RenderingError: If this machine has no way to render.
     """
     backend = backend_name()
+    context: Any = None
     try:
         module = importlib.import_module(f"mujoco.{backend}")
-        context: Any = module.GLContext(width, height)
+        context = module.GLContext(width, height)
         context.make_current()
+        resources = _resources(model, width, height)
     except Exception as error:  # whatever a driver's binding raises
+        if context is not None:
+            context.free()
         msg = f"cannot render with {backend} ({_reason(error)})"
         raise RenderingError(msg) from error
     try:
-        yield
+        yield resources
     finally:
+        resources.free()
         context.free()
 
 
@@ -125,7 +137,7 @@ def _reason(error: Exception) -> str:
     return " ".join(str(error).split()) or type(error).__name__
 
 
-def new_context(model: mujoco.MjModel, width: int, height: int) -> mujoco.MjrContext:
+def _resources(model: mujoco.MjModel, width: int, height: int) -> mujoco.MjrContext:
     """Returns MuJoCo's resources of a model for pictures of that size."""
     model.vis.global_.offwidth = max(width, model.vis.global_.offwidth)
     model.vis.global_.offheight = max(height, model.vis.global_.offheight)

@@ -37,9 +37,10 @@ def side_by_side(
 
     width, height = pictures[0].size
     letter = max(11, height // 20)
-    band = 2 * letter
+    footing = 2 * letter
+    band = footing if any(caption for caption, _ in captions) else 0
     whole = len(pictures) * (width + BETWEEN) - BETWEEN
-    page = Image.new("RGB", (_even(whole), _even(band + height + band)), PAPER)
+    page = Image.new("RGB", (_even(whole), _even(band + height + footing)), PAPER)
     pen = ImageDraw.Draw(page)
     for index, (picture, (caption, ours)) in enumerate(
         zip(pictures, captions, strict=True)
@@ -48,7 +49,7 @@ def side_by_side(
         page.paste(picture, (left, band))
         _write(pen, (left + width / 2, band / 2), caption, letter, width, "mm",
                OURS_INK if ours else INK)  # fmt: skip
-    middle = band + height + band / 2
+    middle = band + height + footing / 2
     _write(pen, (letter, middle), footer[0], letter * 0.85, whole, "lm", QUIET)
     right = whole - letter
     _write(pen, (right, middle), footer[1], letter * 0.85, whole, "rm", QUIET)
