@@ -10,64 +10,20 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 
-import cradle_models
-import mujoco_impact
-from mujoco_impact import law, reference
+from mujoco_impact import law
+from mujoco_impact.cli import app
 from mujoco_impact.paper.figures import write_figures
 from mujoco_impact.paper.force_sensor import experiment
 
 IMAGES = Path(__file__).parents[1] / "docs" / "images"
-DURATION = 3.0
-MOMENT = 0.56  # the last ball is at its highest [s]
-LENGTH, RADIUS = 0.3, 0.015
-SHADES = plt.get_cmap("viridis")(np.linspace(0, 0.9, 5))
 
 
 def cradle() -> None:
-    """Five balls, one lifted: MuJoCo's contacts, ours, and the Hertz reference."""
-    path = cradle_models.model_path("row_5")
-    motions = {}
-    for title, scene in (
-        ("MuJoCo's contacts", path),
-        ("mujoco-impact", mujoco_impact.attach(path)),
-    ):
-        run = mujoco_impact.run(scene, duration=DURATION, keyframe="release")
-        motions[title] = (run.time, run.qpos)
-    truth = reference.pendulum_row(cradle_models.balls("AAAAA"), duration=DURATION)
-    motions["reference (Hertz, resolved)"] = (run.time, truth(run.time)[0])
-
-    figure, axes = plt.subplots(
-        2, 3, figsize=(11, 5.6), height_ratios=(1.15, 1), layout="constrained"
-    )
-    for (title, (time, angles)), column in zip(motions.items(), axes.T, strict=True):
-        draw_balls(column[0], angles[np.searchsorted(time, MOMENT)])
-        column[0].set_title(title, fontweight="bold")
-        for ball, shade in enumerate(SHADES):
-            column[1].plot(time, np.degrees(angles[:, ball]), color=shade)
-        column[1].axvline(MOMENT, color="0.6", linewidth=0.8, linestyle=":")
-        column[1].set(ylim=(-34, 34), xlabel="time [s]")
-        column[1].grid(alpha=0.25)
-    axes[1, 0].set_ylabel("angle [deg]")
-    save(figure, "cradle")
-
-
-def draw_balls(axis: Axes, angles: np.ndarray) -> None:
-    """Draws the row with its arms; the release of the first ball in outline."""
-    for ball, angle in enumerate([*angles, -np.radians(30)]):
-        pivot = 2 * RADIUS * ((ball if ball < 5 else 0) - 2)
-        x, z = pivot + LENGTH * np.sin(angle), -LENGTH * np.cos(angle)
-        ghost = ball == 5
-        axis.plot([pivot, x], [0, z], color="0.75" if ghost else "0.35", linewidth=0.8)
-        face = "none" if ghost else SHADES[ball]
-        edge = "0.7" if ghost else "0.2"
-        ball_shape = plt.Circle((x, z), RADIUS, facecolor=face, edgecolor=edge)
-        axis.add_patch(ball_shape).set_zorder(3)
-    axis.plot([-0.09, 0.09], [0, 0], color="0.2", linewidth=3)
-    axis.text(0.0, 0.02, f"{MOMENT} s", ha="center", color="0.4")
-    axis.set(xlim=(-0.25, 0.25), ylim=(-0.34, 0.05), aspect="equal")
-    axis.axis("off")
+    """Five balls, one lifted, two periods: MuJoCo's contacts, ours, the reference."""
+    command = ["video", "row_5", "--compare", "--duration", "2.22", "--speed", "0.5"]
+    command += ["--size", "320x280", "--out", str(IMAGES / "cradle.webp")]
+    app(command, standalone_mode=False)
 
 
 def waveform() -> None:
