@@ -14,10 +14,12 @@ print(m.version('mujoco') + ';' + list(u.find_spec('mujoco').submodule_search_lo
 if(_wheel)
   list(GET _wheel 0 MuJoCoWheel_VERSION)
   list(GET _wheel 1 MuJoCoWheel_DIR)
+  file(TO_CMAKE_PATH "${MuJoCoWheel_DIR}" MuJoCoWheel_DIR)
   find_path(MuJoCoWheel_INCLUDE_DIR mujoco/mujoco.h
     HINTS "${MuJoCoWheel_DIR}/include" NO_DEFAULT_PATH NO_CACHE)
-  find_library(MuJoCoWheel_LIBRARY
+  find_file(MuJoCoWheel_LIBRARY
     NAMES "libmujoco.so.${MuJoCoWheel_VERSION}" "libmujoco.${MuJoCoWheel_VERSION}.dylib"
+      "mujoco.dll"
     HINTS "${MuJoCoWheel_DIR}" NO_DEFAULT_PATH NO_CACHE)
 endif()
 
@@ -32,4 +34,8 @@ if(MuJoCoWheel_FOUND AND NOT TARGET mujoco::mujoco)
   set_target_properties(mujoco::mujoco PROPERTIES
     IMPORTED_LOCATION "${MuJoCoWheel_LIBRARY}"
     INTERFACE_INCLUDE_DIRECTORIES "${MuJoCoWheel_INCLUDE_DIR}")
+  if(WIN32)
+    # the wheel has no import library; MinGW links to the DLL itself
+    set_target_properties(mujoco::mujoco PROPERTIES IMPORTED_IMPLIB "${MuJoCoWheel_LIBRARY}")
+  endif()
 endif()
