@@ -8,7 +8,7 @@ more than MuJoCo and NumPy (`calibrate`, `compare`, `envs`, `law`, `metrics`,
 from __future__ import annotations
 
 import importlib
-import sys
+from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 # before anything that imports MuJoCo: MuJoCo 4 asks for `load` while it is imported
@@ -16,11 +16,13 @@ from mujoco_impact._plugin import load, load_or_warn
 
 load_or_warn()
 
-from mujoco_impact import pickling  # noqa: E402
-from mujoco_impact.errors import ImpactError  # noqa: E402
+from mujoco_impact import _gymnasium_hook, pickling  # noqa: E402
+from mujoco_impact.errors import ImpactError, ImpactWarning  # noqa: E402
 from mujoco_impact.impact import Impact  # noqa: E402
 from mujoco_impact.runner import run  # noqa: E402
-from mujoco_impact.scene import attach  # noqa: E402
+from mujoco_impact.scene import attach, detach  # noqa: E402
+from mujoco_impact.sensor import read_sensor, sensor_slice  # noqa: E402
+from mujoco_impact.settings import SETTINGS  # noqa: E402
 from mujoco_impact.trajectory import Trajectory  # noqa: E402
 
 if TYPE_CHECKING:
@@ -29,25 +31,33 @@ if TYPE_CHECKING:
     from mujoco_impact.compare import Comparison, compare
     from mujoco_impact.rollouts import Rollouts, rollout
 
+    __version__: str
+
 __all__ = [
+    "SETTINGS",
     "Calibration",
     "Comparison",
     "Impact",
     "ImpactError",
+    "ImpactWarning",
     "Rollouts",
     "Trajectory",
+    "__version__",
     "attach",
     "calibrate",
     "calibration",
     "compare",
+    "detach",
     "envs",
     "law",
     "load",
     "metrics",
+    "read_sensor",
     "reference",
     "rollout",
     "run",
     "sensor",
+    "sensor_slice",
     "video",
 ]
 
@@ -62,8 +72,15 @@ _MEMBERS = {
 }
 
 
+def __dir__() -> list[str]:
+    """Returns all names, those that are imported when they are used included."""
+    return sorted({*globals(), *__all__})
+
+
 def __getattr__(name: str) -> Any:
     """Imports the parts that are not needed to run a scene."""
+    if name == "__version__":
+        return metadata.version("mujoco-impact")
     if name in _MODULES:
         return importlib.import_module(f"mujoco_impact.{name}")
     if name in _MEMBERS:
@@ -78,6 +95,4 @@ def __getattr__(name: str) -> Any:
 
 pickling.enable()
 
-# gymnasium has no way to find environments on its own; it is not imported for this
-if "gymnasium" in sys.modules:
-    importlib.import_module("mujoco_impact.envs")
+_gymnasium_hook.register_when_imported()

@@ -33,6 +33,7 @@ from mujoco_impact.runner import initial_data, load_model, run, step_count
 from mujoco_impact.scene import attach, detach
 from mujoco_impact.settings import Setting, attributes
 from mujoco_impact.source import Source, read_spec
+from mujoco_impact.starts import Keyframe, settled
 from mujoco_impact.timing import interleaved_times
 from mujoco_impact.trajectory import Array, Trajectory
 
@@ -52,7 +53,7 @@ def compare(
     source: Source,
     *,
     duration: float,
-    keyframe: str | int | None = None,
+    keyframe: Keyframe = None,
     qpos: npt.ArrayLike | None = None,
     qvel: npt.ArrayLike | None = None,
     geoms: Iterable[str] | None = None,
@@ -73,7 +74,7 @@ def compare(
     Args:
         source: Path of a model file, XML text, or a specification (not changed).
         duration: Simulated time [s].
-        keyframe: Name or number of the keyframe to start from.
+        keyframe: See `run`.
         qpos: Initial positions, shape (nq,), instead of those of the keyframe.
         qvel: Initial velocities, shape (nv,), instead of those of the keyframe.
         geoms: See `attach`.
@@ -97,7 +98,9 @@ def compare(
     options = {"geoms": geoms, "gap": gap, "depth": depth, "speed": speed}
     attached, law = _ours(read_spec(source), options, dict(settings or {}))
     plain = detach(attached)
-    start: dict[str, Any] = {"keyframe": keyframe, "qpos": qpos, "qvel": qvel}
+    given = qpos is not None or qvel is not None
+    number = settled([key.name for key in plain.keys], keyframe, given=given)
+    start: dict[str, Any] = {"keyframe": number, "qpos": qpos, "qvel": qvel}
     ours = Method(OURS, _shown(law), attached)
     motion = run(attached, duration=duration, **start)
     model = load_model(attached)

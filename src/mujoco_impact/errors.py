@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mujoco_impact.trajectory import Trajectory
+
 
 class ImpactError(Exception):
     """Base of every error raised by `mujoco_impact`."""
@@ -24,12 +29,29 @@ class SimulationError(ImpactError):
 
     Attributes:
         time: Simulated time of the first warning [s].
+        trajectory: The motion until then, None if nothing was recorded.
     """
 
-    def __init__(self, message: str, *, time: float) -> None:
-        """Stores the message and the time [s]."""
+    def __init__(
+        self, message: str, *, time: float, trajectory: Trajectory | None = None
+    ) -> None:
+        """Stores the message, the time [s] and what was recorded."""
         super().__init__(message)
         self.time = time
+        self.trajectory = trajectory
+
+
+class RunInterrupted(KeyboardInterrupt):
+    """A run was interrupted by hand (Ctrl-C).
+
+    Attributes:
+        trajectory: The motion until then.
+    """
+
+    def __init__(self, trajectory: Trajectory) -> None:
+        """Stores what was recorded."""
+        super().__init__(f"interrupted at {trajectory.time[-1]:g} s")
+        self.trajectory = trajectory
 
 
 class TrajectoryError(ImpactError):

@@ -99,6 +99,24 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
             part.unlink()
 
 
+def check_writable(path: str | os.PathLike[str]) -> None:
+    """Raises OSError if `replacing` could not write a file, before there is anything.
+
+    Args:
+        path: The file to replace or to make.
+    """
+    target = Path(os.path.realpath(path))
+    if target.is_dir():
+        raise _error(errno.EISDIR, path)
+    if target.exists() and not target.is_file():
+        return
+    if not target.parent.is_dir():
+        raise _error(errno.ENOENT, path)
+    place = target if target.exists() else target.parent
+    if not os.access(place, os.W_OK):
+        raise _error(errno.EACCES, path)
+
+
 def _error(number: int, path: str | os.PathLike[str]) -> OSError:
     """Returns the error of a number of the system for a path."""
     return OSError(number, os.strerror(number), os.fspath(path))

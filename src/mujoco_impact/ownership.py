@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 
 from mujoco_impact.errors import SceneError
+from mujoco_impact.hints import closest
 from mujoco_impact.instances import our_instances
 
 GAP_SIZE_FRACTION = 0.5
@@ -162,13 +163,12 @@ def _check_names(
 ) -> None:
     """Raises SceneError if the wanted geoms cannot be owned."""
     by_name = {geom.name: geom for geom in spec.geoms if geom.name}
-    available = ", ".join(by_name) or "none, all geoms are unnamed"
     if not wanted:
-        msg = f"geoms must name at least one geom (available: {available})"
+        msg = f"geoms must name at least one geom{closest('', by_name)}"
         raise SceneError(msg)
     for position, name in enumerate(wanted):
         if name not in by_name:
-            msg = f"there is no geom {name!r} (available: {available})"
+            msg = f"there is no geom {name!r}{closest(str(name), by_name)}"
             raise SceneError(msg)
         if name in wanted[:position]:
             msg = f"geom {name!r} is given twice"

@@ -12,7 +12,7 @@ import numpy as np
 
 from mujoco_impact.compare import row_samples
 from mujoco_impact.comparison import OURS, Comparison
-from mujoco_impact.errors import MissingExtraError
+from mujoco_impact.extras import require_matplotlib
 from mujoco_impact.files import replacing
 from mujoco_impact.printable import printable
 from mujoco_impact.trajectory import Array, Trajectory
@@ -60,11 +60,9 @@ def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Pat
 
 def _new_figure(comparison: Comparison) -> Figure:
     """Returns the whole figure: motions above, energies and run times below."""
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        msg = "pictures need matplotlib: run `pip install mujoco-impact[plot]`"
-        raise MissingExtraError(msg) from error
+    require_matplotlib()
+    from matplotlib.figure import Figure
+
     rows = -(-(len(comparison.methods) + 1) // PANEL_COLUMNS)
     figure = Figure(figsize=(14.0, 2.8 * rows + 4.4), layout="constrained")
     halves: Any = figure.subfigures(2, 1, height_ratios=[2.8 * rows, 4.4])

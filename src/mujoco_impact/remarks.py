@@ -16,13 +16,19 @@ ENERGY = "energy"
 NO_IMPACT = "no impact"
 """Nothing touched."""
 
+NATIVE = "native"
+"""The model has no plugin: its contacts are MuJoCo's own."""
+
+QUIET = frozenset({NO_IMPACT, NATIVE})
+"""Remarks that are no fault: a run does not warn of them."""
+
 
 @dataclasses.dataclass(frozen=True)
 class Remark:
     """One thing that deserves attention, with the likely cause and the cure.
 
     Attributes:
-        kind: `FAST`, `PASSING`, `ENERGY` or `NO_IMPACT`.
+        kind: `FAST`, `PASSING`, `ENERGY`, `NO_IMPACT` or `NATIVE`.
         text: One sentence or two.
     """
 

@@ -14,13 +14,25 @@ import numpy.typing as npt
 
 from mujoco_impact import _plugin
 from mujoco_impact.energies import find_energies
-from mujoco_impact.errors import ImpactWarning, SceneError, SimulationError
+from mujoco_impact.errors import (
+    ImpactWarning,
+    RunInterrupted,
+    SceneError,
+    SimulationError,
+)
 from mujoco_impact.limits import check_recording, steps_of
 from mujoco_impact.mocap_bodies import mocap_bodies, potential
 from mujoco_impact.pulses import PulseReader
-from mujoco_impact.remarks import NO_IMPACT, Remark
+from mujoco_impact.remarks import QUIET
 from mujoco_impact.source import Source, read_spec
 from mujoco_impact.specifications import compile_spec
+from mujoco_impact.starts import (
+    Keyframe,
+    keyframe_names,
+    settled,
+    start_number,
+    start_told,
+)
 from mujoco_impact.trajectory import Array, Trajectory
 from mujoco_impact.verdict import RunWatch
 
@@ -38,7 +50,7 @@ def run(
     model: Model,
     *,
     duration: float,
-    keyframe: str | int | None = None,
+    keyframe: Keyframe = None,
     qpos: npt.ArrayLike | None = None,
     qvel: npt.ArrayLike | None = None,
     every: int = 1,
@@ -51,10 +63,12 @@ def run(
     the plugin, the scene itself to have MuJoCo's own contacts.
 
     Args:
-        model: Compiled model (not changed), specification, path or XML text.
+        model: Compiled model (not changed), specification, path, XML text or name of
+            a shipped model.
         duration: Simulated time [s].
-        keyframe: Name or number of the keyframe to start from; by default the
-            model's initial state.
+        keyframe: Name or number of the keyframe to start from, "none" for the model's
+            initial state. Default: the keyframe "release" or the only one of the
+            model, if it has one and neither `qpos` nor `qvel` is given.
         qpos: Initial positions, shape (nq,), instead of those of the keyframe.
         qvel: Initial velocities, shape (nv,), instead of those of the keyframe.
         every: Steps between two samples; at most all of the run.
@@ -68,7 +82,10 @@ def run(
 
     Raises:
         SceneError: If the model or the initial state is not valid.
-        SimulationError: If MuJoCo gives a warning, for example on divergence.
+        SimulationError: If MuJoCo gives a warning, for example on divergence; holds
+            the motion until then.
+        RunInterrupted: On Ctrl-C; it is a KeyboardInterrupt, and holds the motion until
+            then, too.
         ValueError: If `duration` or `every` is not valid, or asks for more memory than
             a run may take.
     """
@@ -82,27 +99,37 @@ def run(
     check_recording(steps // every + 1, 3 + compiled.nq + compiled.nv)
     # MuJoCo fills in the energies only if asked to; nothing else depends on the flag
     compiled.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
-    data = initial_data(compiled, keyframe=keyframe, qpos=qpos, qvel=qvel)
+    names = keyframe_names(compiled)
+    given = qpos is not None or qvel is not None
+    number = settled(names, keyframe, given=given)
+    data = initial_data(compiled, keyframe=number, qpos=qpos, qvel=qvel)
+    start = "a given state" if given else start_told(names, number)
     recorder = _Recorder(
         compiled,
         data,
         samples=steps // every + 1,
         every=every,
         controlled=controller is not None,
+        start=start,
     )
     with collected_warnings() as messages:
-        for step in range(steps):
-            if controller is not None:
-                controller(compiled, data)
-                recorder.watch.after_controller()
-            mujoco.mj_step(compiled, data)
-            if messages:
-                # this step has not left the energy of its start
-                recorder.warn(samples=-(-step // every))
-                raise _simulation_error(messages, step * compiled.opt.timestep)
-            recorder.after_step(step, every)
-            if progress is not None and step % max(1, steps // PROGRESS_CALLS) == 0:
-                progress(step / steps)
+        try:
+            for step in range(steps):
+                if controller is not None:
+                    controller(compiled, data)
+                    recorder.watch.after_controller()
+                mujoco.mj_step(compiled, data)
+                if messages:
+                    raise _simulation_error(
+                        messages,
+                        step * compiled.opt.timestep,
+                        recorder.trajectory(failed=True),
+                    )
+                recorder.after_step(step, every)
+                if progress is not None and step % max(1, steps // PROGRESS_CALLS) == 0:
+                    progress(step / steps)
+        except KeyboardInterrupt:
+            raise RunInterrupted(recorder.trajectory()) from None
     if progress is not None:
         progress(1.0)
     return recorder.trajectory()
@@ -127,18 +154,20 @@ def step_count(model: mujoco.MjModel, duration: float) -> int:
 def initial_data(
     model: mujoco.MjModel,
     *,
-    keyframe: str | int | None = None,
+    keyframe: Keyframe = None,
     qpos: npt.ArrayLike | None = None,
     qvel: npt.ArrayLike | None = None,
 ) -> mujoco.MjData:
-    """Returns the data of a simulation about to start.
+    """Returns the data of a simulation about to start; None: in the initial state.
 
     Raises:
         SceneError: If there is no such keyframe or a state has the wrong shape.
     """
     data = mujoco.MjData(model)
     if keyframe is not None:
-        mujoco.mj_resetDataKeyframe(model, data, _keyframe_number(model, keyframe))
+        number = start_number(keyframe_names(model), keyframe)
+        if number is not None:  # "none" is the initial state, too
+            mujoco.mj_resetDataKeyframe(model, data, number)
     for name, values in (("qpos", qpos), ("qvel", qvel)):
         if values is None:
             continue
@@ -178,7 +207,10 @@ class _Recorder:
         samples: int,
         every: int,
         controlled: bool,
+        start: str,
     ) -> None:
+        self._start = start
+        self._samples = 0
         self._model = model
         self._data = data
         self._time: Array = np.zeros(samples)
@@ -203,26 +235,17 @@ class _Recorder:
         if (step + 1) % every == 0:
             self._sample((step + 1) // every)
 
-    def warn(self, *, samples: int, level: int = 3) -> tuple[Remark, ...]:
-        """Warns of what a number of samples have to say, and returns it.
+    def trajectory(self, *, failed: bool = False) -> Trajectory:
+        """Returns what was recorded so far, and warns of what it has to say.
 
         Args:
-            samples: The samples that are filled.
-            level: Calls from the one that the warning is about down to here.
+            failed: Whether the step from the last sample failed: that sample is kept,
+                and not judged.
         """
-        remarks = self.watch.remarks(
-            self._time[:samples], self._energy[:samples], self._pulses.impacts
-        )
-        for remark in remarks:
-            # that nothing touched is no fault: the list of impacts says it
-            if remark.kind != NO_IMPACT:
-                warnings.warn(remark.text, ImpactWarning, stacklevel=level)
-        return remarks
-
-    def trajectory(self) -> Trajectory:
-        """Returns the finished trajectory."""
+        count = self._samples
         if not self._runge_kutta:
-            self._energy[-1] = self._energy_at(-1)
+            # the step from the last sample has not been taken
+            self._energy[count - 1] = self._energy_at(count - 1)
         if self._pulses.missed:
             warnings.warn(
                 f"{self._pulses.missed} impacts have no record: more of them began in "
@@ -230,17 +253,26 @@ class _Recorder:
                 ImpactWarning,
                 stacklevel=3,
             )
+        time, energy = self._time[:count], self._energy[:count]
+        judged = count - 1 if failed else count
+        remarks = self.watch.remarks(
+            time[:judged], energy[:judged], self._pulses.impacts
+        )
+        for remark in remarks:
+            if remark.kind not in QUIET:
+                warnings.warn(remark.text, ImpactWarning, stacklevel=3)
         return Trajectory(
-            time=self._time,
-            qpos=self._qpos,
-            qvel=self._qvel,
-            energy=self._energy,
+            time=time,
+            qpos=self._qpos[:count],
+            qvel=self._qvel[:count],
+            energy=energy,
             impacts=tuple(sorted(self._pulses.impacts, key=lambda one: one.time)),
             timestep=float(self._model.opt.timestep),
             integrator=integrator_name(self._model),
             mujoco_version=mujoco.mj_versionString(),
             missed_impacts=self._pulses.missed,
-            remarks=self.warn(samples=len(self._energy), level=4),
+            remarks=remarks,
+            start=self._start,
         )
 
     def _sample(self, index: int) -> None:
@@ -250,6 +282,7 @@ class _Recorder:
         self._qvel[index] = self._data.qvel
         if self._runge_kutta:
             self._energy[index] = self._energy_at(index)
+        self._samples = index + 1
 
     def _energy_at(self, sample: int) -> Array:
         """Returns potential and kinetic energy of a sample [J], shape (2,)."""
@@ -275,23 +308,12 @@ def integrator_name(model: mujoco.MjModel) -> str:
     return {"EULER": "Euler", "RK4": "RK4"}.get(name, name.lower())
 
 
-def _keyframe_number(model: mujoco.MjModel, keyframe: str | int) -> int:
-    """Returns the number of a keyframe; SceneError if there is none."""
-    names = [model.key(number).name for number in range(model.nkey)]
-    if isinstance(keyframe, str) and keyframe in names:
-        return names.index(keyframe)
-    if isinstance(keyframe, int) and 0 <= keyframe < model.nkey:
-        return keyframe
-    available = ", ".join(
-        repr(name) if name else str(number) for number, name in enumerate(names)
-    )
-    msg = f"there is no keyframe {keyframe!r} (available: {available or 'none'})"
-    raise SceneError(msg)
-
-
-def _simulation_error(messages: list[str], time: float) -> SimulationError:
+def _simulation_error(
+    messages: list[str], time: float, trajectory: Trajectory
+) -> SimulationError:
     """Returns the error for MuJoCo's warnings in the step from `time` on."""
     return SimulationError(
         f"MuJoCo gave a warning in the step at {time:.6g} s: {messages[0].strip()}",
         time=time,
+        trajectory=trajectory,
     )

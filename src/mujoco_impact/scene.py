@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import numbers
 from collections.abc import Iterable, Mapping, Sequence
 
 import mujoco
@@ -208,7 +209,7 @@ def _check_positive(label: str, number: float | None, allowed: str) -> None:
     """Raises ConfigError if a number is not positive and finite."""
     if number is None:
         return
-    if not (isinstance(number, int | float) and math.isfinite(number) and number > 0):
+    if not (isinstance(number, numbers.Real) and math.isfinite(number) and number > 0):
         msg = f"{label} = {number!r}: must be a {allowed}"
         raise ConfigError(msg)
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import numbers
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import TypeAlias
 
 from mujoco_impact.errors import ConfigError
+from mujoco_impact.hints import closest
 
 Setting: TypeAlias = str | float | bool | Iterable[float]
 """A value of one setting: text, a number, a flag or a list of numbers."""
@@ -67,10 +67,7 @@ def _known(key: str) -> str:
     """Returns the key, or raises ConfigError with the nearest known name."""
     if key in SETTINGS:
         return key
-    close = difflib.get_close_matches(key, SETTINGS, n=1)
-    hint = f"; did you mean {close[0]!r}?" if close else ""
-    msg = f"unknown setting {key!r}{hint} (available: {', '.join(SETTINGS)})"
-    raise ConfigError(msg)
+    raise ConfigError(f"unknown setting {key!r}{closest(key, SETTINGS)}")
 
 
 def _text(key: str, value: Setting) -> str:

@@ -9,9 +9,11 @@ from typing import TypeAlias
 
 import mujoco
 
+import cradle_models
 from mujoco_impact import _plugin
 from mujoco_impact.errors import SceneError
 from mujoco_impact.files import quoted, read_text
+from mujoco_impact.hints import closest
 from mujoco_impact.instances import check_named
 from mujoco_impact.specifications import copy_spec, one_line
 
@@ -27,7 +29,8 @@ _ARCHIVES = (".mjz", ".zip")
 _INCLUDE = re.compile(r"<include\b[^>]*\bfile\s*=\s*[\"']([^\"']+)")
 
 Source: TypeAlias = str | os.PathLike[str] | mujoco.MjSpec
-"""A path of an MJCF or URDF file, XML text, or a specification."""
+"""A path of an MJCF or URDF file, the name of a shipped model, XML text, or a
+specification."""
 
 
 def read_spec(source: Source) -> mujoco.MjSpec:
@@ -59,12 +62,19 @@ def _spec_of(source: Source) -> mujoco.MjSpec:
     if isinstance(source, str) and source.lstrip("\ufeff \t\r\n").startswith("<"):
         return _parse(source)
     if isinstance(source, str | os.PathLike):
-        return _read_file(Path(source))
+        return _read_file(_shipped(source) or Path(source))
     msg = (
-        f"a scene must be a path, XML text or a mujoco.MjSpec, "
-        f"got {type(source).__name__}"
+        f"a scene must be a path, the name of a shipped model, XML text or a "
+        f"mujoco.MjSpec, got {type(source).__name__}"
     )
     raise SceneError(msg)
+
+
+def _shipped(name: str | os.PathLike[str]) -> Path | None:
+    """Returns the file of a shipped model; a file of that name comes first."""
+    if name not in cradle_models.list_models() or _is_file(Path(name)):
+        return None
+    return cradle_models.model_path(str(name))
 
 
 def _parse(xml: str) -> mujoco.MjSpec:
@@ -82,8 +92,10 @@ def _read_file(path: Path) -> mujoco.MjSpec:
         msg = f"{path} is a compiled model: give the MJCF file it was made from"
         raise SceneError(msg)
     if not _is_file(path):
-        msg = f"there is no model file {quoted(str(path), longest=LONGEST_PATH)}"
-        raise SceneError(msg)
+        shown = quoted(str(path), longest=LONGEST_PATH)
+        models = closest(path.name, cradle_models.list_models())
+        msg = f"there is no model file {shown} and no shipped model of that name"
+        raise SceneError(msg + models)
     if path.suffix.lower() not in _ARCHIVES:
         _check_text(path)
     try:

@@ -12,7 +12,7 @@ from rich.text import Text
 
 from mujoco_impact.comparison import OURS, Comparison
 from mujoco_impact.doctor import Check
-from mujoco_impact.impact import Impact
+from mujoco_impact.impact_list import Meeting
 from mujoco_impact.trajectory import Trajectory
 
 MOST_BALLS_ABREAST = 6
@@ -85,21 +85,26 @@ def _narrow(heading: str) -> str:
     return heading.replace(" ", "\n").replace("-", "-\n")
 
 
-def impact_table(impacts: Sequence[Impact], *, limit: int) -> Table:
+def impact_table(meetings: Sequence[Meeting], *, limit: int) -> Table:
     """Returns the first impacts, one row each."""
-    table = Table(title=f"impacts: {len(impacts)}", box=None)
-    table.add_column("time [s]", justify="right")
-    table.add_column("geoms")
-    for heading in ("impulse [N s]", "alpha", "peak [N]", "duration [ms]"):
+    shown = meetings[:limit]
+    several = any(one.points > 1 for one in shown)
+    table = Table(title=f"impacts: {len(meetings)}", box=None)
+    table.add_column("time\n[s]", justify="right")
+    table.add_column("geoms", no_wrap=True)
+    for heading in ("closing\n[m/s]", "impulse\n[N s]", "peak\n[N]", "lasts\n[ms]"):
         table.add_column(heading, justify="right")
-    for impact in impacts[:limit]:
+    if several:
+        table.add_column("points", justify="right")
+    for one in shown:
         table.add_row(
-            f"{impact.time:.6f}",
-            " - ".join(impact.geoms),
-            f"{impact.impulse:.5g}",
-            f"{impact.alpha:.4f}",
-            f"{impact.peak:.4g}",
-            f"{impact.duration * 1e3:.4g}",
+            f"{one.time:.6f}",
+            " - ".join(one.geoms),
+            f"{max(one.closing_speed, 0.0):.4g}",
+            f"{one.impulse:.5g}",
+            f"{one.peak:.4g}",
+            f"{one.duration * 1e3:.4g}",
+            *([str(one.points)] if several else []),
         )
     return table
 

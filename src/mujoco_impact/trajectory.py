@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib
 import os
 import stat
 import struct
@@ -16,10 +17,17 @@ import numpy as np
 import numpy.typing as npt
 
 from mujoco_impact.archive import AnyArray, read_arrays
-from mujoco_impact.errors import TrajectoryError
+from mujoco_impact.errors import MissingExtraError, TrajectoryError
 from mujoco_impact.files import replacing
-from mujoco_impact.impact import COLUMNS, Impact, impacts_of, numbers_of
-from mujoco_impact.remarks import Remark
+from mujoco_impact.impact import (
+    COLUMNS,
+    Impact,
+    impact_columns,
+    impacts_of,
+    impacts_table,
+    numbers_of,
+)
+from mujoco_impact.remarks import NATIVE, NO_IMPACT, Remark
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
@@ -44,9 +52,9 @@ _DAMAGE = (
 """What NumPy and zipfile raise, depending on which bytes are wrong."""
 
 _ARRAYS = ("time", "qpos", "qvel", "energy")
-_SCALARS = ("timestep", "integrator", "mujoco_version", "missed_impacts")
+_SCALARS = ("timestep", "integrator", "mujoco_version", "missed_impacts", "start")
 _STORED = ("impact_numbers", "impact_geoms", "remarks", *_ARRAYS, *_SCALARS)
-_TEXTS = ("integrator", "mujoco_version", "impact_geoms", "remarks")
+_TEXTS = ("integrator", "mujoco_version", "start", "impact_geoms", "remarks")
 _KINDS = {"U": "text", "iu": "integers", "iuf": "numbers"}
 """Kinds of NumPy's types, and what a message calls them."""
 
@@ -54,7 +62,7 @@ MOST_IMPACTS = 4_000_000
 """Most impacts that are read of a file: each takes a kilobyte as an `Impact`."""
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """A simulated motion, sampled at constant intervals.
 
@@ -73,6 +81,7 @@ class Trajectory:
             could be read; 0 unless a warning was given.
         remarks: What deserves attention: missed impacts, energy from nowhere, no
             impact at all; empty if nothing does.
+        start: What the run started from, such as "keyframe 'release'".
     """
 
     time: Array
@@ -85,12 +94,75 @@ class Trajectory:
     mujoco_version: str
     missed_impacts: int = 0
     remarks: tuple[Remark, ...] = ()
+    start: str = ""
+
+    def __repr__(self) -> str:
+        """Returns what is in it, in one line."""
+        return f"<Trajectory: {', '.join(self._facts())}>"
+
+    def _repr_html_(self) -> str:
+        """Returns what a notebook shows."""
+        from mujoco_impact.html_reprs import trajectory_html
+
+        return trajectory_html(self)
+
+    def _facts(self) -> list[str]:
+        """Returns what there is to know of it, in a few words each."""
+        facts = [
+            f"{self.time[-1]:g} s",
+            f"{len(self.time)} samples",
+            f"{self.qvel.shape[1]} degrees of freedom",
+        ]
+        kinds = [remark.kind for remark in self.remarks]
+        if NATIVE in kinds:
+            return [*facts, "MuJoCo's own contacts"]
+        facts.append(f"{len(self.impacts)} impacts")
+        return facts + [f"remark: {kind}" for kind in kinds if kind != NO_IMPACT]
 
     @property
     def total_energy(self) -> Array:
         """Potential plus kinetic energy of each sample [J], shape (n_samples,)."""
         total: Array = self.energy.sum(axis=1)
         return total
+
+    def impacts_table(self) -> npt.NDArray[Any]:
+        """Returns the impacts as a structured array, shape (n_impacts,).
+
+        Its fields are `geom1`, `geom2` and the numbers of `Impact`; vectors have
+        three components.
+        """
+        return impacts_table(self.impacts)
+
+    def to_pandas(self) -> Any:
+        """Returns the impacts as a `pandas.DataFrame`, one row each.
+
+        Vectors are three columns, such as `position_x`.
+
+        Raises:
+            MissingExtraError: If pandas is not installed.
+        """
+        try:
+            pandas = importlib.import_module("pandas")
+        except ImportError as error:
+            msg = "to_pandas needs pandas: run `pip install pandas`"
+            raise MissingExtraError(msg) from error
+        return pandas.DataFrame(impact_columns(self.impacts))
+
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Any:
+        """Draws velocities, energies and impacts over time.
+
+        Args:
+            path: File to write the picture to, or None.
+
+        Returns:
+            A matplotlib figure; a notebook shows it.
+
+        Raises:
+            MissingExtraError: If matplotlib is not installed.
+        """
+        from mujoco_impact.plot_trajectory import plot_trajectory
+
+        return plot_trajectory(self, path)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Writes the trajectory to a compressed .npz file (no pickle inside).
@@ -217,6 +289,7 @@ def _from_arrays(stored: dict[str, AnyArray]) -> Trajectory:
         integrator=str(stored["integrator"]),
         mujoco_version=str(stored["mujoco_version"]),
         missed_impacts=int(stored["missed_impacts"]),
+        start=str(stored["start"]),
         remarks=tuple(Remark(str(kind), str(text)) for kind, text in stored["remarks"]),
     )
 

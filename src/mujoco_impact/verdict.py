@@ -12,7 +12,8 @@ from mujoco_impact.energy_balance import EnergyBalance
 from mujoco_impact.fast_bodies import FastBodies
 from mujoco_impact.impact import Impact
 from mujoco_impact.overlaps import Overlaps
-from mujoco_impact.remarks import NO_IMPACT, Remark
+from mujoco_impact.pulses import plugin_instances
+from mujoco_impact.remarks import NATIVE, NO_IMPACT, Remark
 from mujoco_impact.step_log import StepLog
 from mujoco_impact.trajectory import Array
 
@@ -21,6 +22,12 @@ NOTHING = (
     "or start from another state (keyframe, qpos, qvel)"
 )
 """What is said of a run in which nothing touched."""
+
+OWN_CONTACTS = (
+    "the model has no mujoco-impact plugin: its contacts are MuJoCo's own; "
+    "run(attach(scene), ...) has its impacts computed by the plugin"
+)
+"""What is said of a run without the plugin."""
 
 
 class RunWatch:
@@ -43,6 +50,7 @@ class RunWatch:
             controlled: Whether a controller may change state and applied forces.
         """
         owned = owned_numbers(model)
+        self._native = not plugin_instances(model)
         self._data = data
         self._owned = owned.size > 0
         self._fast = FastBodies(model, owned)
@@ -97,6 +105,8 @@ class RunWatch:
             found = [self._overlaps.remark(), grew]
             if self._owned and not impacts and not self._overlaps.touched:
                 found.append(Remark(NO_IMPACT, NOTHING))
+        if self._native:
+            found.append(Remark(NATIVE, OWN_CONTACTS))
         return tuple(remark for remark in found if remark is not None)
 
 

@@ -349,7 +349,7 @@ def test_geoms_owned_twice_are_refused(two_balls: str) -> None:
 @pytest.mark.parametrize(
     ("geoms", "reason"),
     [
-        (["bal"], r"no geom 'bal' \(available: floor, ball\)"),
+        (["bal"], r"no geom 'bal'; did you mean 'ball'\? \(available: floor, ball\)"),
         (["ball", "ball"], "'ball' is given twice"),
         ([], "at least one geom"),
     ],

@@ -105,7 +105,7 @@ def test_doctor_tells_what_is_missing(
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
-        (("run", "row_4"), "no shipped model of that name (available: row_3"),
+        (("run", "row_4"), "no shipped model of that name; did you mean 'row_5'"),
         (("run", "row_3", "--set", "yong=1"), "did you mean 'young'"),
         (("run", "row_3", "--set", "young=-1"), "'young' = '-1'"),
         (("run", "row_3", "--set", "young"), "must be KEY=VALUE"),

@@ -194,7 +194,7 @@ def test_warning_handler_is_given_back() -> None:
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
-        ({"keyframe": "down"}, r"no keyframe 'down' \(available: 'up', 1\)"),
+        ({"keyframe": "down"}, r"no keyframe 'down' \(available: up, 1\)"),
         ({"keyframe": 2}, "no keyframe 2"),
         ({"qpos": [1.0, 2.0]}, r"qpos has shape \(2,\), the model needs \(1,\)"),
     ],

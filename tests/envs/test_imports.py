@@ -5,6 +5,8 @@ import sys
 
 import pytest
 
+from mujoco_impact.extras import install_hint
+
 HEAVY = ("dm_control", "gymnasium", "shimmy", "matplotlib")
 
 
@@ -48,7 +50,7 @@ except mujoco_impact.ImpactError as error:
 )
 def test_a_missing_library_is_a_sentence_that_says_what_to_install(library, use):
     found = run(HIDDEN.format(library, use))
-    said = f"{library} is not installed: run `pip install 'mujoco-impact[{library}]'`"
+    said = f"{library} is not installed: run {install_hint(library)}"
     assert found.stdout.strip() == said, found.stderr
 
 
@@ -72,3 +74,13 @@ def test_an_unknown_name_is_an_attribute_error():
 
     with pytest.raises(AttributeError, match="no attribute 'Cradel'"):
         envs.Cradel  # noqa: B018
+
+
+@pytest.mark.parametrize(
+    "order",
+    ["mujoco_impact, gymnasium", "gymnasium, mujoco_impact"],
+)
+def test_gymnasium_knows_the_environments_whichever_is_imported_first(order):
+    pytest.importorskip("gymnasium")
+    found = run(f"import {order}; print(*gymnasium.registry)")
+    assert "mujoco_impact/CradleStrike-v0" in found.stdout, found.stderr

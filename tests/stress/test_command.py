@@ -126,7 +126,7 @@ def test_a_scene_in_which_nothing_touches_is_not_called_sound(tmp_path):
     """There is no evidence: the command fails."""
     path = tmp_path / "still.xml"
     path.write_text(BALLS.format(speed=1))
-    result = run(str(path), "--duration", "0.05")
+    result = run(str(path), "--duration", "0.05", "--keyframe", "none")
     assert result.exit_code == 1
     as_it_is = next(line for line in result.output.splitlines() if "as it is" in line)
     assert "nothing struck: nothing can be said; start with --keyframe shot" in as_it_is

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from mujoco_impact.bench.mujoco_methods import DEFAULT, OURS
 from mujoco_impact.bench.points import Point, front_of
 from mujoco_impact.bench.results import Results
-from mujoco_impact.errors import MissingExtraError
+from mujoco_impact.extras import require_matplotlib
 from mujoco_impact.files import replacing
 
 if TYPE_CHECKING:
@@ -98,11 +98,9 @@ def new_figure(width: float, height: float) -> Figure:
     Raises:
         MissingExtraError: If matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as missing:
-        msg = "charts need matplotlib: run `pip install mujoco-impact[plot]`"
-        raise MissingExtraError(msg) from missing
+    require_matplotlib()
+    from matplotlib.figure import Figure
+
     return Figure(figsize=(width, height), layout="constrained")
 
 

@@ -8,7 +8,14 @@ from typing import Annotated
 import typer
 
 from mujoco_impact.cli.options import JsonOption
-from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
+from mujoco_impact.cli.output import (
+    check_outputs,
+    clean_errors,
+    console_of,
+    progress,
+    write_json,
+)
+from mujoco_impact.extras import require_matplotlib
 
 
 def bench(
@@ -33,6 +40,8 @@ def bench(
     from mujoco_impact import bench as benchmark
 
     with clean_errors():
+        check_outputs(json_file)
+        require_matplotlib()
         with progress(json_file) as report:
             results = benchmark.run_benchmark(
                 scenes=None if scenes is None else scenes.split(","),

@@ -11,7 +11,13 @@ import cradle_models
 from mujoco_impact import calibration
 from mujoco_impact.cli.calibration_tables import combination_table, parameter_table
 from mujoco_impact.cli.options import JsonOption
-from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
+from mujoco_impact.cli.output import (
+    check_outputs,
+    clean_errors,
+    console_of,
+    progress,
+    write_json,
+)
 from mujoco_impact.errors import ConfigError
 
 SeedOption = Annotated[
@@ -47,6 +53,7 @@ def calibrate(
 ) -> None:
     """Find the parameters of the law `calibrated` from measured shots."""
     with clean_errors():
+        check_outputs(out, json_file)
         with progress(json_file) as report:
             found = calibration.calibrate(
                 data,
@@ -78,6 +85,7 @@ def shots(
 ) -> None:
     """Write synthetic shots: Hertz impacts seen by two 500 Hz cameras."""
     with clean_errors():
+        check_outputs(out)
         made = calibration.synthetic_shots(
             cradle_models.balls(pattern),
             count=count,

@@ -5,33 +5,43 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
+import mujoco
 import typer
 
-import cradle_models
 from mujoco_impact import tables
 from mujoco_impact.cli.options import (
-    START_KEYFRAME,
     DurationOption,
     FrictionOption,
+    GapOption,
+    GeomsOption,
+    IntegratorOption,
     JsonOption,
     KeyframeOption,
     ModelArgument,
     ParamsOption,
     SetOption,
     SpeedOption,
+    TimestepOption,
 )
 from mujoco_impact.cli.output import (
+    check_outputs,
     clean_errors,
     console_of,
     exit_if_unsound,
     progress,
     write_json,
 )
-from mujoco_impact.cli.scenes import model_path, parsed_settings, start_keyframe
+from mujoco_impact.cli.scenes import (
+    geom_names,
+    parsed_settings,
+    read_scene,
+    start_keyframe,
+)
 from mujoco_impact.compare import compare as compare_scene
 from mujoco_impact.comparison import Comparison
+from mujoco_impact.extras import require_matplotlib
 from mujoco_impact.plot import plot_comparison
-from mujoco_impact.source import read_spec
+from mujoco_impact.starts import Keyframe
 
 
 def demo(
@@ -42,8 +52,10 @@ def demo(
 ) -> None:
     """Show what a row of five touching steel balls does, ours and MuJoCo's way."""
     with clean_errors():
-        path = cradle_models.model_path("row_5")
-        comparison = _compared(path, 3.0, START_KEYFRAME, {}, None, json_file)
+        check_outputs(png, json_file)
+        require_matplotlib()
+        scene = read_scene("row_5")
+        comparison = _compared(scene, 3.0, None, {}, {}, json_file)
         _show_comparison(comparison, png, json_file)
 
 
@@ -54,7 +66,11 @@ def compare(
     settings: SetOption = None,
     params: ParamsOption = None,
     friction: FrictionOption = False,
+    geoms: GeomsOption = None,
+    gap: GapOption = None,
     speed: SpeedOption = None,
+    timestep: TimestepOption = None,
+    integrator: IntegratorOption = None,
     png: Annotated[
         Path | None, typer.Option(help="Picture to write [default: MODEL.png].")
     ] = None,
@@ -62,37 +78,39 @@ def compare(
 ) -> None:
     """Compare our impacts with MuJoCo's own contacts, accuracy and run time."""
     with clean_errors():
-        path = model_path(model)
-        start = start_keyframe(read_spec(path), keyframe)
+        check_outputs(png, json_file)
+        if png is not None:
+            require_matplotlib()
+        scene = read_scene(model, timestep=timestep, integrator=integrator)
         comparison = _compared(
-            path,
+            scene,
             duration,
-            start,
+            start_keyframe(scene, keyframe),
+            {"geoms": geom_names(geoms), "gap": gap, "speed": speed},
             parsed_settings(settings, params, friction=friction),
-            speed,
             json_file,
         )
-        picture = png or Path(f"{path.stem}_comparison.png")
+        picture = png or Path(f"{scene.modelname}_comparison.png")
         _show_comparison(comparison, picture, json_file)
 
 
 def _compared(
-    path: Path,
+    scene: mujoco.MjSpec,
     duration: float,
-    keyframe: str | int | None,
+    keyframe: Keyframe,
+    options: dict[str, Any],
     settings: dict[str, Any],
-    speed: float | None,
     json_file: str | None,
 ) -> Comparison:
     """Returns the comparison, showing its progress."""
     with progress(json_file) as report:
         return compare_scene(
-            path,
+            scene,
             duration=duration,
             keyframe=keyframe,
             progress=report,
-            speed=speed,
             settings=settings,
+            **options,
         )
 
 

@@ -7,6 +7,7 @@ import json
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 from typing import Any
 
 import typer
@@ -16,7 +17,7 @@ from rich.progress import Progress, SpinnerColumn, TextColumn
 import cradle_models
 from mujoco_impact.cli.console import PlainConsole
 from mujoco_impact.errors import ImpactError, ImpactWarning
-from mujoco_impact.files import write_text
+from mujoco_impact.files import check_writable, write_text
 from mujoco_impact.printable import printable
 from mujoco_impact.remarks import ENERGY, Remark
 
@@ -26,27 +27,52 @@ UNSOUND = 1
 USER_ERROR = 2
 """Exit code when the input or the installation is to blame."""
 
+INTERRUPTED = 130
+"""Exit code when a command was interrupted by hand: 128 + SIGINT."""
+
 
 @contextlib.contextmanager
 def clean_errors() -> Iterator[None]:
     """Turns expected errors into one sentence on standard error and exit code 2.
 
-    Warnings of this package become a sentence there, too.
+    Warnings of this package become a sentence there, too, each text once; Ctrl-C ends
+    with exit code 130.
     """
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("always", ImpactWarning)
-            warnings.showwarning = _show_warning
+            warnings.showwarning = _shown_once()
             yield
+    except KeyboardInterrupt as stopped:
+        typer.echo(f"mujoco-impact: {stopped or 'interrupted'}", err=True)
+        raise typer.Exit(INTERRUPTED) from stopped
     except (ImpactError, cradle_models.CradleModelError, ValueError, OSError) as error:
         text = printable(" ".join(str(error).split()))
         typer.echo(f"mujoco-impact: {text}", err=True)
         raise typer.Exit(USER_ERROR) from error
 
 
-def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
-    """Writes a warning to standard error; where in the code it arose says nothing."""
-    typer.echo(f"mujoco-impact: warning: {' '.join(str(message).split())}", err=True)
+def _shown_once() -> Callable[..., None]:
+    """Returns what writes warnings to standard error, each text once.
+
+    Where in the code a warning arose says nothing.
+    """
+    shown: set[str] = set()
+
+    def show(message: Warning | str, *_: object, **__: object) -> None:
+        text = " ".join(str(message).split())
+        if text not in shown:
+            typer.echo(f"mujoco-impact: warning: {text}", err=True)
+        shown.add(text)
+
+    return show
+
+
+def check_outputs(*files: str | Path | None) -> None:
+    """Raises OSError if a file could not be written: before anything is computed."""
+    for file in files:
+        if file is not None and str(file) != "-":
+            check_writable(file)
 
 
 def console_of(json_file: str | None) -> Console:

@@ -10,7 +10,14 @@ import typer
 from rich.table import Table
 
 from mujoco_impact.cli.options import JsonOption
-from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
+from mujoco_impact.cli.output import (
+    check_outputs,
+    clean_errors,
+    console_of,
+    progress,
+    write_json,
+)
+from mujoco_impact.extras import require_matplotlib
 from mujoco_impact.files import write_text
 
 if TYPE_CHECKING:
@@ -27,6 +34,7 @@ def paper(
     from mujoco_impact.paper import results, sheets
 
     with clean_errors():
+        check_outputs(out, json_file)
         with progress(json_file) as report:
             found = results.paper_results(report)
         write_json(json_file, found.to_dict())
@@ -56,6 +64,8 @@ def force_sensor(
     from mujoco_impact.paper.force_sensor import experiment
 
     with clean_errors():
+        check_outputs(json_file)
+        require_matplotlib()
         with progress(json_file) as report:
             series = experiment(report)
         pictures = figures.write_figures(series, out)

@@ -2,45 +2,65 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
 import mujoco
 
-import cradle_models
 from mujoco_impact.calibration.parameters import read_parameters
-from mujoco_impact.cli.options import START_KEYFRAME
-from mujoco_impact.errors import ConfigError, SceneError
+from mujoco_impact.cli.options import STANDARD_INPUT
+from mujoco_impact.errors import ConfigError
+from mujoco_impact.hints import closest
 from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.scene import attach, detach
 from mujoco_impact.settings import attributes
 from mujoco_impact.source import read_spec
+from mujoco_impact.starts import Keyframe, settled
+
+UNNAMED = "MuJoCo Model"
+"""What MuJoCo calls a model without a name."""
 
 
-def model_path(model: str) -> Path:
-    """Returns the file of a model given by path or by shipped name."""
-    path = Path(model)
-    if path.is_file():
-        return path
-    if model in cradle_models.list_models():
-        return cradle_models.model_path(model)
-    msg = (
-        f"there is no model file {model!r} and no shipped model of that name "
-        f"(available: {', '.join(cradle_models.list_models())})"
-    )
-    raise SceneError(msg)
+def read_scene(
+    model: str, *, timestep: float | None = None, integrator: str | None = None
+) -> mujoco.MjSpec:
+    """Returns the scene of a file, of a shipped name or of standard input.
+
+    Args:
+        model: File, name or "-".
+        timestep: Instead of that of the model [s].
+        integrator: Instead of that of the model, as MJCF spells it.
+    """
+    spec = read_spec(_text() if model == STANDARD_INPUT else model)
+    if spec.modelname == UNNAMED and model != STANDARD_INPUT:
+        spec.modelname = Path(model).stem
+    if timestep is not None:
+        if not 0 < timestep < float("inf"):
+            raise ConfigError(f"--timestep {timestep}: must be a time > 0 [s]")
+        spec.option.timestep = timestep
+    if integrator is not None:
+        spec.option.integrator = _integrator(integrator)
+    return spec
 
 
-def scene_of(model: str, settings: dict[str, Any], *, native: bool) -> mujoco.MjSpec:
+def scene_of(
+    model: str,
+    settings: dict[str, Any],
+    *,
+    native: bool,
+    timestep: float | None = None,
+    integrator: str | None = None,
+) -> mujoco.MjSpec:
     """Returns the scene to run, with the plugin or, `native`, without it.
 
     A scene that has the plugin already keeps it as it is.
     """
-    spec = read_spec(model_path(model))
+    spec = read_scene(model, timestep=timestep, integrator=integrator)
     present = owned_geoms(spec)
     if settings and (present or native):
         reason = "it runs with --native" if native else "it has the plugin already"
-        msg = f"--set, --params and --speed have no effect on {model!r}: {reason}"
+        msg = f"{_options_of(settings)} have no effect on {model!r}: {reason}"
         raise ConfigError(msg)
     if native:
         return detach(spec) if present else spec
@@ -52,7 +72,7 @@ def parsed_settings(
     params: Path | None = None,
     *,
     friction: bool = False,
-    speed: float | None = None,
+    **attach_options: Any,
 ) -> dict[str, Any]:
     """Returns what `attach` is given: a file of parameters, then KEY=VALUE.
 
@@ -60,7 +80,7 @@ def parsed_settings(
         settings: Texts KEY=VALUE.
         params: File of parameters.
         friction: Whether to take its friction factors, too.
-        speed: See `attach`.
+        **attach_options: What else `attach` takes; None is left out.
     """
     parsed: dict[str, Any] = {}
     if friction and params is None:
@@ -78,16 +98,47 @@ def parsed_settings(
         parsed[key.strip()] = value.strip()
     # other arguments of `attach` are no settings
     attributes(parsed)
-    return parsed if speed is None else {"speed": speed, **parsed}
+    given = {name: one for name, one in attach_options.items() if one is not None}
+    return given | parsed
 
 
-def start_keyframe(spec: mujoco.MjSpec, keyframe: str | None) -> str | int | None:
-    """Returns the keyframe to start from."""
+def geom_names(geoms: str | None) -> list[str] | None:
+    """Returns names separated by commas."""
+    return None if geoms is None else [name.strip() for name in geoms.split(",")]
+
+
+def start_keyframe(spec: mujoco.MjSpec, keyframe: str | None) -> Keyframe:
+    """Returns the keyframe to start from: its number, or "none"."""
     names = [key.name for key in spec.keys]
-    if keyframe is None:
-        return START_KEYFRAME if START_KEYFRAME in names else None
-    if keyframe in names:
-        return keyframe
-    if keyframe == "none":
-        return None
-    return int(keyframe) if keyframe.isdecimal() else keyframe
+    asked: Keyframe = keyframe
+    if keyframe is not None and keyframe not in names and keyframe.isdecimal():
+        asked = int(keyframe)
+    return settled(names, asked)
+
+
+def _options_of(settings: dict[str, Any]) -> str:
+    """Returns the options of the command line that gave these settings."""
+    others = [f"--{name}" for name in ("geoms", "gap", "speed") if name in settings]
+    given = ["--set, --params"] if len(settings) > len(others) else []
+    return ", ".join(given + others)
+
+
+def _text() -> str:
+    """Returns what stands on standard input."""
+    try:
+        return sys.stdin.read()
+    except UnicodeDecodeError as error:
+        msg = "standard input is not a model: it is not text in UTF-8"
+        raise ConfigError(msg) from error
+
+
+def _integrator(name: str) -> mujoco.mjtIntegrator:
+    """Returns an integrator by the name that it has in MJCF."""
+    known = {
+        one.removeprefix("mjINT_").lower(): number
+        for one, number in mujoco.mjtIntegrator.__members__.items()
+    }
+    if name.lower() not in known:
+        shown = [{"euler": "Euler", "rk4": "RK4"}.get(one, one) for one in known]
+        raise ConfigError(f"there is no integrator {name!r}{closest(name, shown)}")
+    return known[name.lower()]

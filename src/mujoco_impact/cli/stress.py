@@ -16,11 +16,16 @@ from mujoco_impact.cli.options import (
     SetOption,
     SpeedOption,
 )
-from mujoco_impact.cli.output import clean_errors, console_of, progress, write_json
-from mujoco_impact.cli.scenes import model_path, parsed_settings, start_keyframe
+from mujoco_impact.cli.output import (
+    check_outputs,
+    clean_errors,
+    console_of,
+    progress,
+    write_json,
+)
+from mujoco_impact.cli.scenes import parsed_settings, read_scene, start_keyframe
 from mujoco_impact.errors import ConfigError
 from mujoco_impact.files import write_text
-from mujoco_impact.source import read_spec
 
 if TYPE_CHECKING:
     from mujoco_impact.stress import Family
@@ -84,6 +89,7 @@ def stress(
 ) -> None:
     """Look for where impacts break: in random scenes, or in a scene of your own."""
     with clean_errors():
+        check_outputs(out, json_file)
         if model is not None:
             _refuse_other_options(context, {"model"} | _SCENE, "a scene of your own")
             _stress_model(
@@ -228,11 +234,11 @@ def _stress_model(
     from mujoco_impact import stress as stressing
     from mujoco_impact.stress import markdown
 
-    path = model_path(model)
-    start = start_keyframe(read_spec(path), keyframe)
+    scene = read_scene(model)
+    start = start_keyframe(scene, keyframe)
     with progress(json_file) as tell:
         findings = stressing.stress_scene(
-            path,
+            scene,
             duration=duration,
             keyframe=start,
             settings=settings,
@@ -241,7 +247,7 @@ def _stress_model(
     console = console_of(json_file)
     text = markdown.findings_table(findings)
     if out is not None:
-        write_text(out, f"# Stress report of {path.name}\n\n{text}")
+        write_text(out, f"# Stress report of {scene.modelname}\n\n{text}")
         console.out(f"report: {out}")
     else:
         console.out(text)

@@ -8,6 +8,7 @@ from functools import cache
 from typing import Any
 
 from mujoco_impact.errors import MissingExtraError
+from mujoco_impact.extras import install_hint
 
 _EXTRA = {"dm_control": "dm_control", "gymnasium": "gymnasium"}
 
@@ -29,8 +30,7 @@ def require(module: str) -> Any:
     """
     library = module.partition(".")[0]
     if not is_installed(library):
-        extra = _EXTRA[library]
-        msg = f"{library} is not installed: run `pip install 'mujoco-impact[{extra}]'`"
+        msg = f"{library} is not installed: run {install_hint(_EXTRA[library])}"
         raise MissingExtraError(msg)
     if library == "dm_control":
         _check_dm_control()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mujoco_impact.errors import MissingExtraError
+from mujoco_impact.extras import require_matplotlib
 from mujoco_impact.files import replacing
 from mujoco_impact.paper.force_sensor import Series
 from mujoco_impact.paper.printed import Array
@@ -64,12 +64,10 @@ def _figure(
     series: Sequence[Series], *, curve: Any, labels: tuple[str, str], spread: Any
 ) -> Figure:
     """Returns one column per rule: curves above, scaled by their height below."""
-    try:
-        from matplotlib import colormaps
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        msg = "figures need matplotlib: run `pip install mujoco-impact[plot]`"
-        raise MissingExtraError(msg) from error
+    require_matplotlib()
+    from matplotlib import colormaps
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(3.6 * len(series) + 0.8, 5.4), layout="constrained")
     axes = figure.subplots(2, len(series), sharex="col", squeeze=False)
     for one, (raw, scaled) in zip(series, axes.T, strict=True):

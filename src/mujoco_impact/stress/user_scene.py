@@ -19,6 +19,7 @@ from mujoco_impact.scene import attach
 from mujoco_impact.settings import Setting
 from mujoco_impact.source import Source, read_spec
 from mujoco_impact.specifications import compile_spec, copy_spec
+from mujoco_impact.starts import Keyframe, settled
 from mujoco_impact.stress.case import INTEGRATORS
 from mujoco_impact.stress.outcomes import Outcome, differences
 from mujoco_impact.trajectory import Array
@@ -90,7 +91,7 @@ def stress_scene(
     source: Source,
     *,
     duration: float,
-    keyframe: str | int | None = None,
+    keyframe: Keyframe = None,
     settings: Mapping[str, Setting] | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> list[Finding]:
@@ -99,7 +100,7 @@ def stress_scene(
     Args:
         source: Path of a model file, XML text, or a specification (not changed).
         duration: Simulated time of each run [s].
-        keyframe: Name or number of the keyframe to start from.
+        keyframe: See `run`.
         settings: Settings of the impact law by name, see `attach`; not for a scene
             that has the plugin already.
         progress: Called with the name of each variation as it begins.
@@ -115,6 +116,7 @@ def stress_scene(
     if owned_geoms(spec) and settings:
         msg = "the scene has the plugin already: settings have no effect on it"
         raise SceneError(msg)
+    keyframe = settled([key.name for key in spec.keys], keyframe)
     ways = variations(spec, keyframe)
     findings, outcomes = [], []
     for variation in ways:
@@ -142,9 +144,7 @@ def _compared(
     return compared
 
 
-def variations(
-    spec: mujoco.MjSpec, keyframe: str | int | None = None
-) -> tuple[Variation, ...]:
+def variations(spec: mujoco.MjSpec, keyframe: Keyframe = None) -> tuple[Variation, ...]:
     """Returns the ways in which a scene is run."""
     start = initial_data(compile_spec(copy_spec(spec)), keyframe=keyframe)
     ways = [Variation("as it is")]
@@ -179,7 +179,7 @@ def _find(
     spec: mujoco.MjSpec,
     variation: Variation,
     duration: float,
-    keyframe: str | int | None,
+    keyframe: Keyframe,
 ) -> tuple[Finding, Outcome]:
     """Runs one variation twice and says what it showed, and came to."""
     owned = owned_geoms(spec)
@@ -216,7 +216,7 @@ class _Watch:
         geoms: Array,
         variation: Variation,
         duration: float,
-        keyframe: str | int | None,
+        keyframe: Keyframe,
     ) -> None:
         """Runs the scene."""
         self.deepest = self.farthest = 0.0

@@ -119,5 +119,5 @@ def installed(package: str) -> str | None:
 
 def missing(name: str, title: str, package: str) -> MethodFamily:
     """Returns a method without candidates, and why."""
-    reason = f"not installed ({package}; `pip install mujoco-impact[peers]`)"
+    reason = f"not installed ({package}; scripts/bench)"
     return MethodFamily(name, title, (), missing=reason)
