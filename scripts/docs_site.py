@@ -156,4 +156,6 @@ def command_section(command: Any, context: typer.Context) -> str:
 
 def cell(text: str) -> str:
     """Returns text that may stand in a cell of a table."""
-    return " ".join(text.split()).replace("|", "\\|")
+    line = " ".join(text.split()).replace("|", "\\|")
+    # "[s] [default: 2]" is no link
+    return outside_code(line, lambda part: part.replace("[", "\\["))

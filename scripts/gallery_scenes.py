@@ -1,0 +1,179 @@
+"""The scenes of the gallery: what they show, their code, and how they are drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """One scene of the gallery.
+
+    Attributes:
+        name: Name of its picture, and of its MJCF in docs/gallery if it has a file.
+        title: Heading.
+        text: What there is to see, and what is left out.
+        code: Python that leaves `spec` and `motion`, or `env` and `states`.
+        speed: Simulated seconds in a second of the picture.
+        eye: Position [m] and axes of a camera, as in MJCF; empty: that of the scene.
+    """
+
+    name: str
+    title: str
+    text: str
+    code: str
+    speed: float = 0.5
+    eye: str = ""
+
+
+SCENES = (
+    Scene(
+        name="cradle",
+        title="Two balls in, two balls out",
+        text="Newton's cradle with two balls let go. They come in together, and two "
+        "leave on the other side. The three between them move a little, as steel "
+        "balls do.",
+        code="""
+import cradle_models, mujoco_impact
+
+spec = mujoco_impact.attach(cradle_models.row("AAAAA", released=2))
+motion = mujoco_impact.run(spec, duration=1.12, keyframe="release")
+met = motion.impacts[0].time
+before, after = motion.qvel[motion.time < met][-1], motion.qvel[motion.time > met][1]
+print((after / before[0]).round(3))
+""",
+    ),
+    Scene(
+        name="strings",
+        title="Balls on strings",
+        text="The same on two strings each, as it hangs on desks. The balls are free: "
+        "only MuJoCo's tendons hold them. The plugin owns the contacts between the "
+        "balls, MuJoCo the strings.",
+        code="""
+import cradle_models, mujoco_impact
+
+spec = mujoco_impact.attach(cradle_models.model_path("two_string_5"))
+motion = mujoco_impact.run(spec, duration=1.12, keyframe="release")
+way = motion.qpos[:, 28] - motion.qpos[0, 28]
+print(f"the last ball goes out by {way.max():.3f} m")
+""",
+    ),
+    Scene(
+        name="lattice",
+        title="A cradle of two dimensions",
+        text="Twenty-five pendulums that swing in both directions and touch in both. "
+        "The corner comes in along the diagonal.",
+        eye="-.18 -.58 .0  1 -.3 0 .1 .35 1",
+        code="""
+import cradle_models, mujoco_impact
+
+scene = cradle_models.lattice(5, 5, released="corner")
+spec = mujoco_impact.attach(scene)
+motion = mujoco_impact.run(spec, duration=1.4, keyframe="release")
+""",
+    ),
+    Scene(
+        name="bounce",
+        title="Bouncing balls",
+        text="Three balls with a restitution of 1, 0.8 and 0.5. Each has an instance "
+        "of the plugin. That is allowed because the balls cannot meet each other.",
+        code="""
+import mujoco_impact
+
+spec = "docs/gallery/bounce.xml"
+for name, e in (("elastic", 1.0), ("good", 0.8), ("poor", 0.5)):
+    spec = mujoco_impact.attach(spec, geoms=[name], name=name, restitution=e)
+motion = mujoco_impact.run(spec, duration=1.9)
+""",
+        speed=0.6,
+    ),
+    Scene(
+        name="cannon",
+        title="Galilean cannon",
+        text="A small ball on a large one. Both fall, and the small one flies off "
+        "several times as high.",
+        code="""
+import mujoco_impact
+
+spec = mujoco_impact.attach("docs/gallery/cannon.xml", restitution=0.9)
+motion = mujoco_impact.run(spec, duration=1.2)
+fall, rise = motion.qpos[0, 9] - 0.295, motion.qpos[:, 9].max() - 0.295
+print(f"falls {fall:.2f} m, flies {rise:.2f} m high: {rise / fall:.1f} times")
+""",
+        speed=0.4,
+    ),
+    Scene(
+        name="break",
+        title="Billiard break",
+        text="Fifteen touching balls, struck by a sixteenth at 4 m/s. As impacts have "
+        "no friction yet, the balls slide on an air table: they do not roll or spin.",
+        code="""
+import mujoco_impact
+
+spec = mujoco_impact.attach("docs/gallery/break.xml", restitution=0.95)
+motion = mujoco_impact.run(spec, duration=1.6, keyframe="shot")
+""",
+        speed=0.4,
+    ),
+    Scene(
+        name="dominoes",
+        title="Domino row",
+        text="Each stone pushes the next. The stones turn about their lower edge, on "
+        "hinges, so that the floor needs no friction. Between stones there is none.",
+        code="""
+import mujoco_impact
+
+spec = mujoco_impact.attach("docs/gallery/dominoes.xml", restitution=0)
+motion = mujoco_impact.run(spec, duration=0.8, keyframe="push")
+first = {impact.geoms: impact.time for impact in reversed(motion.impacts)}
+times = sorted(first.values())
+print(f"the wave runs at {0.036 / (times[-1] - times[-2]):.1f} m/s")
+""",
+        speed=0.25,
+    ),
+    Scene(
+        name="robot",
+        title="A ball on a robot's link",
+        text="An arm with three servos holds still while a ball bounces along it. Only "
+        "the ball is given to the plugin. The arm gives way at each bounce.",
+        code="""
+import mujoco_impact
+
+spec = mujoco_impact.attach("docs/gallery/robot.xml", geoms=["ball"], restitution=0.85)
+motion = mujoco_impact.run(spec, duration=1.7)
+for impact in motion.impacts:
+    print(f"{impact.geoms} {impact.impulse:.2f} N s")
+""",
+    ),
+    Scene(
+        name="shapes",
+        title="Any shape",
+        text="A box, a capsule, a cylinder, an ellipsoid and a ball tumble in a tray. "
+        "The integrator is RK4, as MuJoCo's Euler adds energy to bodies that tumble.",
+        code="""
+import mujoco_impact
+
+spec = mujoco_impact.attach("docs/gallery/shapes.xml", restitution=0.9)
+motion = mujoco_impact.run(spec, duration=1.5)
+""",
+        speed=0.4,
+    ),
+    Scene(
+        name="dm_control",
+        title="A task of dm_control",
+        text="`ball_in_cup` of dm_control with our impacts, without a change of its "
+        "XML. The cup is moved by two sines, and catches the ball.",
+        code="""
+import math
+from mujoco_impact import envs
+
+env = envs.load("ball_in_cup", "catch", task_kwargs={"random": 1}, restitution=0.8)
+env.reset()
+states = []
+for step in range(150):
+    env.step([math.sin(0.26 * step), math.sin(0.06 * step + 0.7)])
+    states.append(env.physics.data.qpos.copy())
+""",
+        speed=1.0,
+    ),
+)
