@@ -183,7 +183,7 @@ def test_rotations_between_samples_are_rotations() -> None:
         ({"size": (8, 100)}, "width and height must be 16 to 4096"),
         ({"fps": 0}, "fps = 0: must be 1 to 120"),
         ({"speed": 1e-6}, "allowed: 20000"),
-        ({"camera": "fron"}, "closest: 'front'"),
+        ({"camera": "fron"}, "did you mean 'front'?"),
     ],
 )
 @pytest.mark.usefixtures("gl")

@@ -17,6 +17,7 @@ from mujoco_impact.cli.paper import force_sensor, paper
 from mujoco_impact.cli.run import run
 from mujoco_impact.cli.stress import stress
 from mujoco_impact.cli.video import video
+from mujoco_impact.cli.view import view
 
 app = typer.Typer(
     name="mujoco-impact",
@@ -45,6 +46,7 @@ COMMANDS: tuple[tuple[Callable[..., Any], str, str], ...] = (
         "video row_5 --compare --out cradle.mp4",
         "video scene.xml --keyframe shot --out scene.gif",
     ),
+    (view, "view row_5", "view scene.xml --keyframe shot --set restitution=0.8"),
     (calibrate, "calibrate shots.csv", "calibrate shots.csv --fix e=1 --out p.json"),
     (shots, "shots AAB", "shots ABA --count 20 --error 0 --out shots.csv"),
     (paper, "paper", "paper --out tables.md"),

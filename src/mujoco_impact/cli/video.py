@@ -16,10 +16,11 @@ from mujoco_impact.cli.options import (
     ParamsOption,
     SetOption,
 )
-from mujoco_impact.cli.output import clean_errors, console_of, progress
+from mujoco_impact.cli.output import check_outputs, clean_errors, console_of, progress
 from mujoco_impact.cli.scenes import parsed_settings, scene_of, start_keyframe
 from mujoco_impact.errors import ConfigError
 from mujoco_impact.runner import run
+from mujoco_impact.starts import Keyframe
 
 CameraOption = Annotated[
     str | None,
@@ -87,6 +88,7 @@ def video(
         )
         view.times(duration)
         # told before anything is computed
+        check_outputs(target)
         videos.check_rendering(target)
         law = parsed_settings(settings, params, friction=friction)
         attaching = law if closing_speed is None else {"speed": closing_speed, **law}
@@ -114,7 +116,7 @@ def video(
 def _panels(
     spec: Any,
     duration: float,
-    start: str | int | None,
+    start: Keyframe,
     law: dict[str, Any],
     *,
     compare: bool,

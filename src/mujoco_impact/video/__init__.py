@@ -21,6 +21,7 @@ from mujoco_impact.errors import ConfigError, SceneError
 from mujoco_impact.runner import Model, initial_data
 from mujoco_impact.source import read_spec
 from mujoco_impact.specifications import compile_spec
+from mujoco_impact.starts import Keyframe, keyframe_names, settled
 from mujoco_impact.video import arrows, encode, page
 from mujoco_impact.video.camera import Projection, camera_of
 from mujoco_impact.video.motion import Panel, place
@@ -104,7 +105,7 @@ def write_video(
     path: str | os.PathLike[str],
     *,
     view: View | None = None,
-    keyframe: str | int | None = None,
+    keyframe: Keyframe = None,
     at: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Path:
@@ -116,7 +117,7 @@ def write_video(
         panels: The motions.
         path: File to write: .mp4, .gif, .webp, or .png for one picture.
         view: Speed, camera, size and so on.
-        keyframe: Keyframe that the runs started from; mocap bodies stand where it
+        keyframe: What the runs started from, see `run`; mocap bodies stand where it
             has them.
         at: Time of a .png [s]; by default that of the first impact, or the end.
         progress: Called now and then with the finished fraction, 0 to 1.
@@ -147,11 +148,12 @@ def frames(
     times: Sequence[float],
     *,
     view: View,
-    keyframe: str | int | None = None,
+    keyframe: Keyframe = None,
 ) -> Generator[Image.Image, None, None]:
     """Yields the picture of each time, with captions; see `write_video`."""
     compiled = _dressed(model)
-    data = initial_data(compiled, keyframe=keyframe)
+    start = settled(keyframe_names(compiled), keyframe)
+    data = initial_data(compiled, keyframe=start)
     for panel in panels:
         if panel.qpos.shape[1] != compiled.nq:
             msg = (

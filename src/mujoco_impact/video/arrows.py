@@ -47,7 +47,9 @@ class Arrow:
     share: Array
 
 
-def arrows_of(model: mujoco.MjModel, impacts: Iterable[Impact]) -> list[Arrow]:
+def arrows_of(
+    model: mujoco.MjModel, impacts: Iterable[Impact], *, largest: float = 0.0
+) -> list[Arrow]:
     """Returns the arrows of impacts: one for each body that moves.
 
     Points of one pair of geoms that begin at the same time are one arrow.
@@ -55,6 +57,7 @@ def arrows_of(model: mujoco.MjModel, impacts: Iterable[Impact]) -> list[Arrow]:
     Args:
         model: The model that was run.
         impacts: Its impacts.
+        largest: An impulse that has the longest arrow, if none of them is larger [N s].
     """
     groups: dict[tuple[float, tuple[str, str]], list[Impact]] = {}
     for impact in impacts:
@@ -63,7 +66,8 @@ def arrows_of(model: mujoco.MjModel, impacts: Iterable[Impact]) -> list[Arrow]:
         key: np.sum([_impulse(one) for one in group], axis=0)
         for key, group in groups.items()
     }
-    largest = max((np.linalg.norm(one) for one in impulses.values()), default=0.0)
+    sizes = [float(np.linalg.norm(one)) for one in impulses.values()]
+    largest = max([largest, *sizes])
     arrows = []
     for (time, geoms), impulse in impulses.items():
         if not np.linalg.norm(impulse) > SHORTEST * largest:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import itertools
 import math
 
@@ -10,6 +9,7 @@ import mujoco
 import numpy as np
 
 from mujoco_impact.errors import SceneError
+from mujoco_impact.hints import closest
 from mujoco_impact.trajectory import Array
 from mujoco_impact.video.motion import Panel
 
@@ -42,7 +42,7 @@ def camera_of(
     """
     number = _number(model, wish)
     if number is None:
-        return _framing(model, data, panel, aspect)
+        return framing(model, data, panel, aspect)
     camera = mujoco.MjvCamera()
     camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
     camera.fixedcamid = number
@@ -62,12 +62,10 @@ def _number(model: mujoco.MjModel, wish: str | int | None) -> int | None:
         return names.index(wish)
     if str(wish).isdecimal() and int(wish) < model.ncam:
         return int(wish)
-    near = difflib.get_close_matches(str(wish), names, n=3, cutoff=0.0)
-    shown = ", ".join(map(repr, near)) or "the scene has no camera"
-    raise SceneError(f"there is no camera {wish!r} (closest: {shown})")
+    raise SceneError(f"there is no camera {wish!r}{closest(str(wish), names)}")
 
 
-def _framing(
+def framing(
     model: mujoco.MjModel, data: mujoco.MjData, panel: Panel, aspect: float
 ) -> mujoco.MjvCamera:
     """Returns a free camera that sees what moves, from where the model says."""
@@ -80,11 +78,15 @@ def _framing(
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     every = max(1, len(panel.time) // MOST_SAMPLES)
     reach = model.geom_rbound[geoms][:, None]
+    # a pendulum hangs from the origin of its body
+    bodies = np.flatnonzero(model.body_weldid != 0)
     for qpos in panel.qpos[::every]:
         data.qpos[:] = qpos
         mujoco.mj_kinematics(model, data)
-        low = np.minimum(low, (data.geom_xpos[geoms] - reach).min(axis=0))
-        high = np.maximum(high, (data.geom_xpos[geoms] + reach).max(axis=0))
+        for corner in (data.geom_xpos[geoms] - reach, data.xpos[bodies]):
+            low = np.minimum(low, corner.min(axis=0))
+        for corner in (data.geom_xpos[geoms] + reach, data.xpos[bodies]):
+            high = np.maximum(high, corner.max(axis=0))
     camera.lookat[:] = (low + high) / 2
     camera.distance = _distance(model, camera, (high - low) / 2, aspect)
     return camera

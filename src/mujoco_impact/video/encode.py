@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mujoco_impact.errors import ConfigError, MissingExtraError
+from mujoco_impact.extras import install_hint
 from mujoco_impact.files import replacing
 
 if TYPE_CHECKING:
@@ -46,10 +47,7 @@ def check_target(path: str | os.PathLike[str]) -> str:
         if ending == ".mp4":
             import imageio_ffmpeg  # noqa: F401
     except ImportError as error:
-        msg = (
-            f"videos need {error.name}: run `pip install 'mujoco-impact[video]'`, in a "
-            "clone `pip install '.[video]'`"
-        )
+        msg = f"videos need {error.name}: run {install_hint('video')}"
         raise MissingExtraError(msg) from error
     return ending
 

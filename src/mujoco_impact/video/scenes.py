@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from typing import Any
 
@@ -30,10 +29,9 @@ def native_panel(spec: mujoco.MjSpec, duration: float, start: dict[str, Any]) ->
         try:
             return Panel.of(run(plain, duration=duration, **start), MUJOCO)
         except SimulationError as error:
-            step = float(plain.option.timestep)
-            short = max(step, math.floor(error.time / step) * step)
-            caption = f"{MUJOCO} (fail at {error.time:.3g} s)"
-            return Panel.of(run(plain, duration=short, **start), caption)
+            if error.trajectory is None:
+                raise
+            return Panel.of(error.trajectory, f"{MUJOCO} (fail at {error.time:.3g} s)")
 
 
 def reference_panel(

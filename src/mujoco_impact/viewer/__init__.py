@@ -1,0 +1,1 @@
+"""The live view: a simulation that keys command, and the window that shows it."""
