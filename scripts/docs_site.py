@@ -12,18 +12,23 @@ from __future__ import annotations
 import html
 import posixpath
 import re
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import typer
-import ziamath
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 from mujoco_impact.cli import app
+
+with warnings.catch_warnings():
+    # it calls what Python has deprecated
+    warnings.simplefilter("ignore", DeprecationWarning)
+    import ziamath
 
 ziamath.config.svg2 = False  # without shared symbols, whose names would clash
 
@@ -59,6 +64,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 def on_page_markdown(markdown: str, *, page: Page, files: Files, **_: Any) -> str:
     """Makes the links of a page those of the site, and writes the command line."""
     uri = page.file.src_uri
+    if uri == "index.md":
+        page.meta["hide"] = ["navigation"]
     text = outside_code(
         markdown,
         lambda part: LINK.sub(lambda link: site_link(link, uri, files), part),
