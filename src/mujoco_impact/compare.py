@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
@@ -18,8 +17,20 @@ import numpy.typing as npt
 from mujoco_impact import metrics
 from mujoco_impact._plugin import PLUGIN_NAME
 from mujoco_impact.baselines import Method, baselines
+from mujoco_impact.comparing.first_impact import (
+    find_first_impact,
+    velocities_at,
+    window_of,
+)
+from mujoco_impact.comparing.references import (
+    ImpactReference,
+    Material,
+    impact_reference,
+)
+from mujoco_impact.comparing.survey import HALF_STEP_INTEGRATORS, rest_speed, survey
 from mujoco_impact.comparison import OURS, Comparison, MethodResult
 from mujoco_impact.errors import (
+    ComparisonInterrupted,
     ConfigError,
     ImpactError,
     ImpactWarning,
@@ -28,12 +39,18 @@ from mujoco_impact.errors import (
 )
 from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.pendulums import PendulumRow, find_row
+from mujoco_impact.pulses import geom_name
 from mujoco_impact.reference import ReferenceTrajectory, swing
 from mujoco_impact.runner import initial_data, load_model, run, step_count
 from mujoco_impact.scene import attach, detach
-from mujoco_impact.settings import Setting, attributes
+from mujoco_impact.settings import (
+    DEFAULT_POISSON,
+    DEFAULT_YOUNG,
+    Setting,
+    attributes,
+)
 from mujoco_impact.source import Source, read_spec
-from mujoco_impact.starts import Keyframe, settled
+from mujoco_impact.starts import Keyframe, keyframe_names, settled
 from mujoco_impact.timing import interleaved_times
 from mujoco_impact.trajectory import Array, Trajectory
 
@@ -45,8 +62,8 @@ INSTANCE = "impact"
 MOST_REFERENCE_BALLS = 12
 """Longer rows are chaotic after the first wave, and their reference takes minutes."""
 
-HALF_STEP_INTEGRATORS = ("Euler", "implicit", "implicitfast", "discrete")
-"""Integrators whose motion from rest is half a step ahead, see `row_samples`."""
+SMALLEST = 0.05
+"""Of the fastest closing speed of our motion: slower meetings are not counted."""
 
 
 def compare(
@@ -67,9 +84,12 @@ def compare(
     """Runs one scene under our impacts and under MuJoCo's own contacts.
 
     MuJoCo runs the scene as it is, and with the best settings known for touching balls
-    (see `mujoco_impact.baselines`). If the scene is a row of pendulum balls without
-    losses, the Hertz reference tells how wrong each of them is. A scene that has the
-    plugin keeps it as it is, with its settings; MuJoCo's contacts then take its place.
+    (see `mujoco_impact.baselines`). Of each motion is told how fast the bodies of the
+    first impact are before and after it, what energy impacts took, how deep bodies
+    overlapped and which passed through each other. Where the truth is known without an
+    engine, errors stand beside: a row of pendulum balls without losses, spheres without
+    friction, a single contact. A scene that has the plugin keeps it as it is, with its
+    settings; MuJoCo's contacts then take its place.
 
     Args:
         source: Path of a model file, XML text, or a specification (not changed).
@@ -91,6 +111,8 @@ def compare(
         ConfigError: If a setting is not valid, or has no effect on the scene.
         SimulationError: If our own run fails; a failure of MuJoCo's contacts is a
             result.
+        ComparisonInterrupted: On Ctrl-C, once our own run is over; it is a
+            KeyboardInterrupt, and holds the results until then.
     """
     report = progress or (lambda _: None)
     attributes(dict(settings or {}))
@@ -103,34 +125,24 @@ def compare(
     start: dict[str, Any] = {"keyframe": number, "qpos": qpos, "qvel": qvel}
     ours = Method(OURS, _shown(law), attached)
     motion = run(attached, duration=duration, **start)
-    model = load_model(attached)
-    report("Hertz reference")
-    truth = _reference(model, motion, law)
-    speed = truth.speed or _first_closing_speed(model, motion)
-    restitution = _number_setting(law, "restitution", 1.0)
+    judge = _Judge(attached, plain, motion, law)
+    report("reference")
+    judge.find_references()
+    speed, restitution = judge.speed, judge.material.restitution
     methods = (ours, *baselines(plain, impact_speed=speed, restitution=restitution))
-    results = []
-    for method in methods:
-        report(method.name)
-        known = motion if method is ours else None
-        results.append(_run_method(method, duration, start, truth, known))
-    report("run times")
-    timed = _with_run_times(methods, results, duration, start, repeats)
-    return Comparison(
-        scene=plain.modelname,
-        duration=duration,
-        timestep=motion.timestep,
-        integrator=motion.integrator,
-        mujoco_version=motion.mujoco_version,
-        impact_speed=speed,
-        model=model,
-        geoms=_names_of(attached),
-        methods=timed,
-        row=truth.row,
-        reference=truth.motion,
-        reference_velocities=truth.velocities,
-        note=truth.note,
-    )
+    results: list[MethodResult] = []
+    try:
+        for method in methods:
+            report(method.name)
+            known = motion if method is ours else None
+            results.append(_run_method(method, duration, start, judge, known))
+        report("run times")
+        timed = _with_run_times(methods, results, duration, start, repeats)
+    except KeyboardInterrupt:
+        if not results:
+            raise
+        raise ComparisonInterrupted(judge.comparison(duration, results)) from None
+    return judge.comparison(duration, timed)
 
 
 def _ours(
@@ -169,54 +181,177 @@ def _names_of(spec: mujoco.MjSpec) -> tuple[str, ...]:
     )
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class _Truth:
-    """The Hertz reference of a scene, or why there is none."""
+class _Judge:
+    """What all methods of a scene are measured against: our motion, and references."""
 
-    row: PendulumRow | None = None
-    motion: ReferenceTrajectory | None = None
-    velocities: tuple[float, ...] | None = None
-    speed: float = 0.0
-    note: str = ""
+    def __init__(
+        self,
+        attached: mujoco.MjSpec,
+        plain: mujoco.MjSpec,
+        motion: Trajectory,
+        law: dict[str, Any],
+    ) -> None:
+        """Looks at our motion.
 
+        Args:
+            attached: The scene with the plugin.
+            plain: The scene without it.
+            motion: Our motion.
+            law: Settings of the impact law.
 
-def _reference(
-    model: mujoco.MjModel, motion: Trajectory, settings: dict[str, Any]
-) -> _Truth:
-    """Returns the Hertz reference from the initial state of a motion."""
-    row = find_row(
-        model,
-        young=_number_setting(settings, "young", 2e11),
-        poisson=_number_setting(settings, "poisson", 0.3),
-    )
-    if row is None:
-        return _Truth(note="no Hertz reference: not a row of pendulum balls")
-    if row.chain.count > MOST_REFERENCE_BALLS:
-        note = f"no Hertz reference: more than {MOST_REFERENCE_BALLS} balls"
-        return _Truth(row, note=note)
-    elastic = _number_setting(settings, "restitution", 1.0) == 1.0
-    if not elastic or settings.get("law", "hertz") != "hertz":
-        return _Truth(row, note="no Hertz reference: it is elastic, the law is not")
-    angles, velocities = row.angles(motion.qpos[0]), row.angles(motion.qvel[0])
-    try:
-        reference = swing(row.chain, angles, velocities, float(motion.time[-1]))
-        time = motion.time
-        left = metrics.velocity_after_first_impact(time, *reference(time), row.chain)
-    except ImpactError as error:
-        return _Truth(row, note=f"no Hertz reference: {error}")
-    onset = reference.contact_intervals[:1, 0]
-    speed = float(np.abs(reference(onset)[1]).max()) * row.chain.length
-    return _Truth(row, reference, tuple(left.tolist()), speed)
+        Raises:
+            SceneError: If there is no impact in it.
+        """
+        self.model = load_model(attached)
+        self._plain, self._names = load_model(plain), _names_of(attached)
+        self._scene, self._motion = plain.modelname, motion
+        self.material = Material(
+            restitution=_number_setting(law, "restitution", 1.0),
+            young=_number_setting(law, "young", DEFAULT_YOUNG),
+            poisson=_number_setting(law, "poisson", DEFAULT_POISSON),
+            friction=law.get("friction", "none") != "none",
+            hertz=law.get("law", "hertz") == "hertz",
+        )
+        fastest = max((one.closing_speed for one in motion.impacts), default=0.0)
+        rest = rest_speed(self._plain, motion)
+        self._slowest = max(rest, SMALLEST * fastest)
+        self.ours = survey(self._plain, motion, ours=True, slowest=self._slowest)
+        geoms = {geom_name(self.model, geom): geom for geom in range(self.model.ngeom)}
+        first = find_first_impact(self._plain, motion, self.ours, geoms)
+        if first is None:
+            raise SceneError(_nothing_told(self._plain, motion))
+        self.first = first
+        self.row: PendulumRow | None = None
+        self.reference: ReferenceTrajectory | None = None
+        self._impact: ImpactReference | None = None
+        self._row_velocities: tuple[float, ...] | None = None
+        self._row_speed, self._note = 0.0, ""
+
+    @property
+    def speed(self) -> float:
+        """Closing speed of the first impact [m/s]."""
+        return self._row_speed or self.first.closing_speed
+
+    def find_references(self) -> None:
+        """Finds what is known of the scene without an engine."""
+        self._find_row()
+        if self.reference is None and self.row is None:
+            self._impact, self._note = impact_reference(
+                self._plain, self._motion, self.ours, self.first, self.material
+            )
+
+    def _find_row(self) -> None:
+        """Finds the Hertz reference of a row of pendulums, or why there is none."""
+        material = self.material
+        self.row = row = find_row(
+            self.model, young=material.young, poisson=material.poisson
+        )
+        if row is None:
+            return
+        if row.chain.count > MOST_REFERENCE_BALLS:
+            self._note = f"no Hertz reference: more than {MOST_REFERENCE_BALLS} balls"
+            return
+        if material.restitution != 1.0 or not material.hertz:
+            self._note = "no Hertz reference: it is elastic, the law is not"
+            return
+        motion, time = self._motion, self._motion.time
+        start = row.angles(motion.qpos[0]), row.angles(motion.qvel[0])
+        try:
+            reference = swing(row.chain, *start, float(time[-1]))
+            samples = reference(time)
+            left = metrics.velocity_after_first_impact(time, *samples, row.chain)
+        except ImpactError as error:
+            self._note = f"no Hertz reference: {error}"
+            return
+        onset = reference.contact_intervals[:1, 0]
+        fastest = float(np.abs(reference(onset)[1]).max())
+        self.reference, self._row_velocities = reference, tuple(left.tolist())
+        self._row_speed = fastest * row.chain.length
+
+    def measured(self, result: MethodResult) -> MethodResult:
+        """Returns a result with what is measured of its motion."""
+        motion = result.trajectory
+        if motion is None:
+            return result
+        ours = motion is self._motion
+        seen = self.ours
+        if not ours:
+            seen = survey(self._plain, motion, ours=False, slowest=self._slowest)
+        result = self._with_speeds(dataclasses.replace(result, seen=seen), motion, ours)
+        if self.row is None or self.reference is None:
+            return result
+        samples = row_samples(self.row, motion)
+        left = metrics.velocity_after_first_impact(*samples, self.row.chain)
+        return dataclasses.replace(
+            result,
+            first_velocities=tuple(left.tolist()),
+            errors=metrics.row_errors(*samples, self.reference),
+        )
+
+    def _with_speeds(
+        self, result: MethodResult, motion: Trajectory, ours: bool
+    ) -> MethodResult:
+        """Returns a result with the velocities before and after the first impact."""
+        first, seen = self.first, result.seen
+        if seen is None:
+            return result
+        window = (
+            (first.before, first.after)
+            if ours
+            else window_of(self._plain, first, motion, seen)
+        )
+        if window is None:
+            return result
+        known = self._impact
+        still = np.zeros((len(first.bodies), 3))
+        free = still if known is None else known.free
+        before, after = (
+            velocities_at(motion, seen, sample, first.bodies, free) for sample in window
+        )
+        result = dataclasses.replace(result, before=before, after=after)
+        if known is None:
+            return result
+        wrong = after - known.at(float(motion.time[window[1]]))
+        error = float(np.sqrt(np.mean(np.sum(wrong**2, axis=1)))) / self.speed
+        return dataclasses.replace(result, first_error=error)
+
+    def comparison(
+        self, duration: float, results: Sequence[MethodResult]
+    ) -> Comparison:
+        """Returns the outcome."""
+        bodies = tuple(
+            self._plain.body(body).name or f"body {body}" for body in self.first.bodies
+        )
+        return Comparison(
+            scene=self._scene,
+            start=self._motion.start,
+            duration=duration,
+            timestep=self._motion.timestep,
+            integrator=self._motion.integrator,
+            mujoco_version=self._motion.mujoco_version,
+            impact_speed=self.speed,
+            model=self.model,
+            geoms=self._names,
+            methods=tuple(results),
+            first=self.first,
+            bodies=bodies,
+            slowest=self._slowest,
+            row=self.row,
+            reference=self.reference,
+            reference_velocities=self._row_velocities,
+            impact_reference=self._impact,
+            note=self._note,
+        )
 
 
 def _run_method(
     method: Method,
     duration: float,
     start: dict[str, Any],
-    truth: _Truth,
+    judge: _Judge,
     known: Trajectory | None,
 ) -> MethodResult:
-    """Runs one method, unless its motion is known, and measures its errors."""
+    """Runs one method, unless its motion is known, and measures it."""
     try:
         with warnings.catch_warnings():
             # what MuJoCo's own contacts do wrong stands in the table
@@ -226,22 +361,7 @@ def _run_method(
             )
     except SimulationError as error:
         return MethodResult(method.name, method.setting, None, failure=str(error))
-    result = MethodResult(
-        method.name, method.setting, motion, energy_drift=_energy_drift(motion)
-    )
-    if truth.row is None:
-        return result
-    samples = row_samples(truth.row, motion)
-    drift = metrics.energy_drift(samples[1], samples[2], truth.row.chain)
-    result = dataclasses.replace(result, energy_drift=drift)
-    if truth.motion is None:
-        return result
-    left = metrics.velocity_after_first_impact(*samples, truth.row.chain)
-    return dataclasses.replace(
-        result,
-        first_velocities=tuple(left.tolist()),
-        errors=metrics.row_errors(*samples, truth.motion),
-    )
+    return judge.measured(MethodResult(method.name, method.setting, motion))
 
 
 def row_samples(row: PendulumRow, motion: Trajectory) -> tuple[Array, Array, Array]:
@@ -283,38 +403,15 @@ def _with_run_times(
     return tuple(timed)
 
 
-def _energy_drift(motion: Trajectory) -> float:
-    """Returns the change of energy over a run, over the largest kinetic energy."""
-    largest = float(motion.energy[:, 1].max())
-    total = motion.total_energy
-    return float(total[-1] - total[0]) / largest if largest > 0 else math.nan
-
-
-def _first_closing_speed(model: mujoco.MjModel, motion: Trajectory) -> float:
-    """Returns the relative speed of the geoms of the first impact, before it [m/s]."""
-    if not motion.impacts:
-        msg = (
-            f"there is no impact within {motion.time[-1]:g} s, so there is nothing to "
-            "compare: run longer, or start from another state (keyframe)"
-        )
-        raise SceneError(msg)
-    first = motion.impacts[0]
-    sample = max(0, int(np.searchsorted(motion.time, first.time)) - 1)
-    data = mujoco.MjData(model)
-    data.qpos[:], data.qvel[:] = motion.qpos[sample], motion.qvel[sample]
-    mujoco.mj_forward(model, data)
-    velocities = np.zeros((2, 6))
-    for name, velocity in zip(first.geoms, velocities, strict=True):
-        geom = _geom_number(model, name)
-        kind = mujoco.mjtObj.mjOBJ_GEOM
-        mujoco.mj_objectVelocity(model, data, kind, geom, velocity, 0)
-    return float(np.linalg.norm(velocities[1, 3:] - velocities[0, 3:]))
-
-
-def _geom_number(model: mujoco.MjModel, name: str) -> int:
-    """Returns the id of a geom as `Impact` calls it."""
-    number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, name)
-    return number if number >= 0 else int(name.rpartition(" ")[2])
+def _nothing_told(model: mujoco.MjModel, motion: Trajectory) -> str:
+    """Returns what is said of a scene without an impact."""
+    names = [name or str(number) for number, name in enumerate(keyframe_names(model))]
+    others = f" ({', '.join(names)})" if names else ""
+    return (
+        f"there is no impact within {motion.time[-1]:g} s from {motion.start}, so "
+        f"there is nothing to compare: run longer, or start from another keyframe"
+        f"{others} or state"
+    )
 
 
 def _number_setting(settings: dict[str, Any], name: str, usual: float) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from mujoco_impact.comparison import Comparison
     from mujoco_impact.trajectory import Trajectory
 
 
@@ -52,6 +53,20 @@ class RunInterrupted(KeyboardInterrupt):
         """Stores what was recorded."""
         super().__init__(f"interrupted at {trajectory.time[-1]:g} s")
         self.trajectory = trajectory
+
+
+class ComparisonInterrupted(KeyboardInterrupt):
+    """A comparison was interrupted by hand (Ctrl-C).
+
+    Attributes:
+        comparison: The results until then.
+    """
+
+    def __init__(self, comparison: Comparison) -> None:
+        """Stores the results."""
+        names = ", ".join(method.name for method in comparison.methods)
+        super().__init__(f"interrupted after {names}")
+        self.comparison = comparison
 
 
 class TrajectoryError(ImpactError):

@@ -1,4 +1,4 @@
-"""What a notebook shows of a run."""
+"""What a notebook shows of a run and of a comparison."""
 
 from __future__ import annotations
 
@@ -9,12 +9,23 @@ from typing import TYPE_CHECKING
 from mujoco_impact.impact_list import listed
 
 if TYPE_CHECKING:
+    from mujoco_impact.comparison import Comparison
     from mujoco_impact.trajectory import Trajectory
 
 MOST_ROWS = 12
 """Impacts shown at most."""
 
 _HEADINGS = ("time [s]", "geoms", "closing speed [m/s]", "impulse [N s]", "peak [N]")
+
+_COMPARED = (
+    "method",
+    "velocity error [v0]",
+    "impacts",
+    "energy lost in impacts, part of all energy of motion",
+    "deepest overlap [m]",
+    "run time [ms per s]",
+    "failure",
+)
 
 
 def trajectory_html(trajectory: Trajectory) -> str:
@@ -41,6 +52,36 @@ def trajectory_html(trajectory: Trajectory) -> str:
     lines += [remark.text for remark in trajectory.remarks]
     table = table_html(_HEADINGS, rows) if rows else ""
     return f"<p>{escape(repr(trajectory)[1:-1])}</p>{table}{_paragraphs(lines)}"
+
+
+def comparison_html(comparison: Comparison) -> str:
+    """Returns a comparison as HTML: its table, headline and note."""
+    rows = [
+        (
+            row["method"],
+            _number(row["velocity_error"]),
+            _number(row["impacts"]),
+            _number(row["energy_lost"]),
+            _number(row["deepest_overlap"]),
+            _number(row["run_time"], 1e3),
+            row["failure"],
+        )
+        for row in comparison.table()
+    ]
+    kept = [
+        number for number in range(len(_COMPARED)) if any(row[number] for row in rows)
+    ]
+    table = table_html(
+        [_COMPARED[number] for number in kept],
+        [[row[number] for number in kept] for row in rows],
+    )
+    lines = [line for line in (comparison.headline(), comparison.note) if line]
+    return f"<p>{escape(repr(comparison)[1:-1])}</p>{table}{_paragraphs(lines)}"
+
+
+def _number(value: float | None, scale: float = 1.0) -> str:
+    """Returns a number in three digits, "" for None."""
+    return "" if value is None else f"{scale * value:.3g}"
 
 
 def table_html(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

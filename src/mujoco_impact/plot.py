@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import mujoco
 import numpy as np
 
 from mujoco_impact.compare import row_samples
-from mujoco_impact.comparison import OURS, Comparison
+from mujoco_impact.comparison import OURS, Comparison, MethodResult
 from mujoco_impact.extras import require_matplotlib
 from mujoco_impact.files import replacing
+from mujoco_impact.pendulums import PendulumRow
 from mujoco_impact.printable import printable
-from mujoco_impact.trajectory import Array, Trajectory
+from mujoco_impact.trajectory import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,7 +40,10 @@ MARKERS = ("*", "o", "s", "^", "D", "v")
 
 
 def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Path:
-    """Draws the motion of every method, the energies, and error against run time.
+    """Draws motions, velocities, energies, and error against run time.
+
+    A row of pendulums shows the angles of every method over time; another scene the
+    paths of its bodies in the plane in which they move.
 
     Args:
         comparison: What to draw.
@@ -51,16 +55,21 @@ def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Pat
     Raises:
         MissingExtraError: If matplotlib is not installed.
     """
-    figure = _new_figure(comparison)
+    require_matplotlib()
     target = Path(path)
+    if comparison.row:
+        figure = _row_figure(comparison)
+    else:
+        from mujoco_impact.plot_scene import scene_figure
+
+        figure = scene_figure(comparison)
     with replacing(target) as part:
         figure.savefig(part, dpi=130, format=target.suffix[1:] or "png")
     return target
 
 
-def _new_figure(comparison: Comparison) -> Figure:
-    """Returns the whole figure: motions above, energies and run times below."""
-    require_matplotlib()
+def _row_figure(comparison: Comparison) -> Figure:
+    """Returns the picture of a row: angles above, energies and run times below."""
     from matplotlib.figure import Figure
 
     rows = -(-(len(comparison.methods) + 1) // PANEL_COLUMNS)
@@ -70,15 +79,11 @@ def _new_figure(comparison: Comparison) -> Figure:
     grid = top.subplots(rows, PANEL_COLUMNS, sharex=True, sharey=True, squeeze=False)
     _draw_motions(comparison, grid.ravel())
     left, right = bottom.subplots(1, 2)
-    _draw_energies(comparison, left)
-    _draw_costs(comparison, right)
+    draw_energies(comparison, left)
+    draw_costs(comparison, right)
     handles, labels = left.get_legend_handles_labels()
     bottom.legend(handles, labels, loc="outside lower center", ncols=6, fontsize=9)
-    figure.suptitle(
-        f"{_literal(comparison.scene)}: timestep {comparison.timestep * 1e3:g} ms, "
-        f"{comparison.integrator}, MuJoCo {comparison.mujoco_version}",
-        fontsize=13,
-    )
+    figure.suptitle(title_of(comparison), fontsize=13)
     return figure
 
 
@@ -87,20 +92,19 @@ def _draw_motions(comparison: Comparison, axes: Sequence[Axes]) -> None:
     panels = list(axes)
     if comparison.reference is not None:
         _draw_reference(comparison.reference, panels.pop(0))
-    coordinate = _main_coordinate(comparison)
     for method, axis in zip(comparison.methods, panels, strict=False):
         weight = "bold" if method.name == OURS else "normal"
         axis.set_title(method.name, fontsize=10, fontweight=weight)
         if method.trajectory is None:
-            _say(axis, method.failure)
+            say(axis, method.failure)
             continue
-        curves = _curves(comparison, method.trajectory, coordinate)
+        curves = np.degrees(_row_of(comparison).angles(method.trajectory.qpos))
         _draw_curves(axis, method.trajectory.time, curves)
     used = len(comparison.methods) + len(axes) - len(panels)
-    what = "angle [deg]" if comparison.row else f"{'xyz'[coordinate]} [m]"
     for panel, axis in enumerate(axes):
-        _dress(axis, panel, used, what)
-    names = _curve_names(comparison)
+        _dress(axis, panel, used, "angle [deg]")
+    count = _row_of(comparison).chain.count
+    names = [f"ball {ball + 1}" for ball in range(count)][:MOST_CURVES]
     place = axes[-1] if used < len(axes) else panels[0]
     columns = 1 + (len(names) > MOST_CURVES // 2)
     lines = panels[0].lines
@@ -127,43 +131,11 @@ def _draw_reference(reference: ReferenceTrajectory, axis: Axes) -> None:
     _draw_curves(axis, time, np.degrees(reference(time)[0]))
 
 
-def _curves(comparison: Comparison, motion: Trajectory, coordinate: int) -> Array:
-    """Returns angles [deg] of a row, else one coordinate of the owned geoms [m]."""
-    if comparison.row:
-        angles: Array = np.degrees(comparison.row.angles(motion.qpos))
-        return angles
-    return _positions(comparison, motion)[:, :, coordinate]
-
-
-def _curve_names(comparison: Comparison) -> list[str]:
-    """Returns the names of the curves of a panel."""
-    if comparison.row:
-        names = [f"ball {ball + 1}" for ball in range(comparison.row.chain.count)]
-    else:
-        names = [_literal(geom) for geom in comparison.geoms]
-    return names[:MOST_CURVES]
-
-
-def _main_coordinate(comparison: Comparison) -> int:
-    """Returns which of x, y, z the owned geoms move along most in our run."""
-    motion = comparison.methods[0].trajectory
-    if comparison.row or motion is None:
-        return 0
-    spread = np.ptp(_positions(comparison, motion), axis=0).max(axis=0)
-    return int(np.argmax(spread))
-
-
-def _positions(comparison: Comparison, motion: Trajectory) -> Array:
-    """Returns the centres of the owned geoms [m], shape (n_samples, n_geoms, 3)."""
-    model = comparison.model
-    data = mujoco.MjData(model)
-    geoms = [model.geom(name).id for name in comparison.geoms[:MOST_CURVES]]
-    positions = np.empty((len(motion.time), len(geoms), 3))
-    for sample, qpos in enumerate(motion.qpos):
-        data.qpos[:] = qpos
-        mujoco.mj_kinematics(model, data)
-        positions[sample] = data.geom_xpos[geoms]
-    return positions
+def _row_of(comparison: Comparison) -> PendulumRow:
+    """Returns the row of a comparison that has one."""
+    if comparison.row is None:
+        raise ValueError("the scene is no row of pendulums")
+    return comparison.row
 
 
 def _draw_curves(axis: Axes, time: Array, values: Array) -> None:
@@ -176,13 +148,13 @@ def _draw_curves(axis: Axes, time: Array, values: Array) -> None:
         axis.plot(time, values[:, column], color=colours[column], linewidth=1.0)
 
 
-def _draw_energies(comparison: Comparison, axis: Axes) -> None:
+def draw_energies(comparison: Comparison, axis: Axes) -> None:
     """Draws the change of energy of every method."""
     for number, method in enumerate(comparison.methods):
         if method.trajectory is None:
             continue
-        time, change = _energy_change(comparison, method.trajectory)
-        axis.plot(time, change, label=method.name, **_line_style(number))
+        time, change = _energy_change(comparison, method)
+        axis.plot(time, change, label=method.name, **line_style(number))
     axis.set_yscale("symlog", linthresh=1e-3)
     axis.set(
         xlabel="time [s]",
@@ -192,28 +164,35 @@ def _draw_energies(comparison: Comparison, axis: Axes) -> None:
     axis.grid(alpha=0.25)
 
 
-def _energy_change(comparison: Comparison, motion: Trajectory) -> tuple[Array, Array]:
+def _energy_change(comparison: Comparison, method: MethodResult) -> tuple[Array, Array]:
     """Returns times and relative changes of energy, free of the half-step offset."""
+    motion, seen = method.trajectory, method.seen
+    if motion is None or seen is None:
+        return np.zeros(0), np.zeros(0)
     if comparison.row:
         time, angles, velocities = row_samples(comparison.row, motion)
         total = comparison.row.chain.mechanical_energy(angles, velocities)
         return time, (total - total[0]) / total[0]
-    scale = float(motion.energy[:, 1].max()) or 1.0
-    total = motion.total_energy
-    return motion.time, (total - total[0]) / scale
+    scale = comparison.energy_scale or 1.0
+    return motion.time, (seen.energy - seen.energy[0]) / scale
 
 
-def _draw_costs(comparison: Comparison, axis: Axes) -> None:
+def draw_costs(comparison: Comparison, axis: Axes) -> None:
     """Draws the error of the first impact against run time."""
     from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
-    if comparison.reference is None:
+    timed = [method for method in comparison.methods if math.isfinite(method.run_time)]
+    if not timed:
+        say(axis, "run times were not measured")
+        return
+    if all(method.velocity_error is None for method in timed):
         _draw_run_times(comparison, axis)
         return
     for number, method in enumerate(comparison.methods):
-        if method.errors is not None:
-            error = max(method.errors.velocity, SMALLEST_ERROR)
-            axis.plot(method.run_time * 1e3, error, **_marker_style(number))
+        error = method.velocity_error
+        if error is not None and method in timed:
+            shown = max(error, SMALLEST_ERROR)
+            axis.plot(method.run_time * 1e3, shown, **_marker_style(number))
     axis.set(
         xscale="log",
         yscale="log",
@@ -237,7 +216,16 @@ def _draw_run_times(comparison: Comparison, axis: Axes) -> None:
     axis.set(xlabel="run time of one simulated second [ms]", title="Run time")
 
 
-def _line_style(number: int) -> dict[str, Any]:
+def title_of(comparison: Comparison) -> str:
+    """Returns the title of the picture."""
+    return (
+        f"{literal(comparison.scene)} from {literal(comparison.start)}: timestep "
+        f"{comparison.timestep * 1e3:g} ms, {comparison.integrator}, "
+        f"MuJoCo {comparison.mujoco_version}"
+    )
+
+
+def line_style(number: int) -> dict[str, Any]:
     """Returns the line style of a method: ours, the first, stands out."""
     width = 2.4 if number == 0 else 1.1
     return {"color": COLOURS[number], "linewidth": width, "zorder": 5 - number}
@@ -249,17 +237,17 @@ def _marker_style(number: int) -> dict[str, Any]:
     return {"color": COLOURS[number], "marker": MARKERS[number], "markersize": size}
 
 
-def _literal(text: str) -> str:
+def literal(text: str) -> str:
     """Returns text that matplotlib has letters for, and takes for no formula."""
     return printable(text).replace("$", r"\$")
 
 
-def _say(axis: Axes, text: str) -> None:
+def say(axis: Axes, text: str) -> None:
     """Writes a sentence in an empty panel."""
     axis.text(
         0.5,
         0.5,
-        _literal(text),
+        literal(text),
         transform=axis.transAxes,
         ha="center",
         va="center",

@@ -5,51 +5,107 @@ Print them on a console without markup: headings hold units in brackets.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
+import numpy as np
 from rich.table import Table
 from rich.text import Text
 
 from mujoco_impact.comparison import OURS, Comparison
 from mujoco_impact.doctor import Check
 from mujoco_impact.impact_list import Meeting
-from mujoco_impact.trajectory import Trajectory
+from mujoco_impact.trajectory import Array, Trajectory
 
 MOST_BALLS_ABREAST = 6
 """More balls than this stand below each other, to fit 80 columns."""
+
+MOST_BODIES = 12
+"""Bodies of the first impact that the table shows; the others are counted."""
+
+MOST_ABREAST = 3
+"""More bodies than this stand below each other."""
+
+ROUNDING = 1e-9
+"""Errors below it are told as being below it."""
 
 NOTHING = "-"
 """What stands where there is no number."""
 
 
 def comparison_table(comparison: Comparison) -> Table:
-    """Returns errors and run times, one row per method."""
-    table = Table(title=f"{comparison.scene}, {comparison.duration:g} s", box=None)
-    for heading in (
-        "method",
-        "velocity\nerror [v0]",
-        "angle RMS\n[rad]",
-        "energy\ndrift",
-        "run time\n[ms per s]",
-        "run time\nratio",
-    ):
-        left = heading == "method"
-        table.add_column(heading, justify="left" if left else "right", no_wrap=left)
-    for row in comparison.table():
-        if row["failure"]:
-            table.add_row(row["method"], "failed", *[NOTHING] * 4)
-            continue
-        run_time = row["run_time"]
-        table.add_row(
-            row["method"],
-            number(row["velocity_error"]),
-            number(row["angle_rms"]),
-            number(row["energy_drift"]),
-            NOTHING if run_time is None else f"{run_time * 1e3:.2f}",
-            NOTHING if row["cost"] is None else f"{row['cost']:.2f}",
-            style="bold" if row["method"] == OURS else None,
-        )
+    """Returns what each method came to, one row each; no column is empty."""
+    title = f"{comparison.scene} from {comparison.start}, {comparison.duration:g} s"
+    rows = comparison.table()
+    columns = {
+        heading: [cell(row) for row in rows]
+        for heading, cell in _CELLS.items()
+        if any(cell(row) != NOTHING for row in rows)
+    }
+    lines = [
+        [row["method"], *([column[number] for column in columns.values()])]
+        if not row["failure"]
+        else [row["method"], "failed", *[NOTHING] * (len(columns) - 1)]
+        for number, row in enumerate(rows)
+    ]
+    table = Table(title=title, box=None, padding=(0, 1, 0, 0), pad_edge=False)
+    _fill(table, ["method", *columns], lines)
     return table
+
+
+def speed_table(comparison: Comparison) -> Table:
+    """Returns velocities before and after the first impact, per method and body.
+
+    Up to `MOST_ABREAST` bodies stand beside each other; more stand below each other,
+    with the velocities before it of our motion.
+    """
+    bodies = comparison.bodies[:MOST_BODIES]
+    line = comparison.line()
+    known, ours = comparison.impact_reference, comparison.method(OURS)
+    motions = [(one.name, one.before, one.after) for one in comparison.methods]
+    if known is not None and ours.trajectory is not None:
+        after = known.at(float(ours.trajectory.time[comparison.first.after]))
+        motions.insert(0, (known.name, ours.before, after))
+    what = "speeds" if line is None else "velocities"
+    where = "" if line is None else ", along its line"
+    title = f"{what} before and after the first impact{where} [m/s]"
+    table = Table(title=title, box=None)
+    if len(bodies) <= MOST_ABREAST:
+        lines = [
+            [name, *_before_after(before, after, len(bodies), line)]
+            for name, before, after in motions
+        ]
+        _fill(table, ["method", *bodies], lines)
+        return table
+    columns = [_speeds(ours.before, len(bodies), line)]
+    columns += [_speeds(after, len(bodies), line) for _, _, after in motions]
+    rows = [[body, *cells] for body, *cells in zip(bodies, *columns, strict=True)]
+    headings = ["", "before", *(name for name, _, _ in motions)]
+    _fill(table, [*map(_narrow, headings)], rows)
+    return table
+
+
+def _before_after(
+    before: Array | None, after: Array | None, count: int, line: Array | None
+) -> list[str]:
+    """Returns the cells of one method."""
+    if before is None or after is None:
+        return [NOTHING] * count
+    pairs = zip(_speeds(before, count, line), _speeds(after, count, line), strict=True)
+    return [f"{one} → {other}" for one, other in pairs]
+
+
+def _speeds(velocities: Array | None, count: int, line: Array | None) -> list[str]:
+    """Returns the first velocities as text: along a line, or their size."""
+    if velocities is None:
+        return [NOTHING] * count
+    along = np.linalg.norm(velocities, axis=1) if line is None else velocities @ line
+    return [_speed(float(value)) for value in along[:count]]
+
+
+def _speed(value: float) -> str:
+    """Returns a speed with three decimals and no negative zero."""
+    return f"{value if abs(value) >= 5e-4 else 0.0:.3f}"
 
 
 def velocity_table(comparison: Comparison) -> Table:
@@ -75,7 +131,7 @@ def _fill(table: Table, headings: Sequence[str], lines: Sequence[list[str]]) -> 
     """Adds a column of names, columns of numbers, and the rows; ours is bold."""
     for position, heading in enumerate(headings):
         left = position == 0
-        table.add_column(heading, justify="left" if left else "right", no_wrap=left)
+        table.add_column(heading, justify="left" if left else "right", no_wrap=True)
     for line in lines:
         table.add_row(*line, style="bold" if line[0] == OURS else None)
 
@@ -127,8 +183,46 @@ def energy_line(trajectory: Trajectory) -> str:
 
 
 def number(value: float | None) -> str:
-    """Returns a number in three digits, or a dash."""
-    return NOTHING if value is None else f"{value:.2e}"
+    """Returns an error in two digits, or a dash; rounding is no error."""
+    if value is None:
+        return NOTHING
+    return f"{value:.1e}" if value >= ROUNDING else f"<{ROUNDING:.0e}"
+
+
+def _part(value: float | None) -> str:
+    """Returns a part as percent, or a dash."""
+    if value is None:
+        return NOTHING
+    if abs(value) < 1e-5:
+        return "0 %"
+    percent = 100 * value
+    if abs(percent) >= 10:
+        return f"{percent:.0f} %"
+    return f"{percent:.1f} %" if abs(percent) >= 0.1 else f"{percent:.1g} %"
+
+
+def _length(value: float | None) -> str:
+    """Returns a length in mm or µm, or a dash."""
+    if value is None:
+        return NOTHING
+    if value < 1e-9:
+        return "none"
+    return f"{value * 1e6:.2g} µm" if value < 1e-4 else f"{value * 1e3:.2g} mm"
+
+
+_CELLS: dict[str, Callable[[dict[str, Any]], str]] = {
+    "error\n[v0]": lambda row: number(row["velocity_error"]),
+    "angle\n[rad]": lambda row: number(row["angle_rms"]),
+    "impacts": lambda row: NOTHING if row["impacts"] is None else str(row["impacts"]),
+    "energy\nlost": lambda row: _part(row["energy_lost"]),
+    "deepest\noverlap": lambda row: _length(row["deepest_overlap"]),
+    "passed\nthrough": lambda row: str(len(row["passed"]) or NOTHING),
+    "run time\n[ms/s]": lambda row: (
+        NOTHING if row["run_time"] is None else f"{row['run_time'] * 1e3:.2f}"
+    ),
+    "ratio": lambda row: NOTHING if row["cost"] is None else f"{row['cost']:.2f}",
+}
+"""Columns of the table of a comparison, and what stands in them."""
 
 
 def _signed(values: Iterable[float]) -> list[str]:

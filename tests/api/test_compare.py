@@ -102,7 +102,7 @@ def test_picture_is_a_picture(row_3: Comparison, tmp_path: Path) -> None:
 
 
 def test_settings_reach_our_impacts_only(two_balls: str) -> None:
-    """A scene that is not a row has no reference, and says so."""
+    """A scene that is no row, of one contact: its reference is a closed form."""
     comparison = compare(
         two_balls,
         duration=0.02,
@@ -111,14 +111,15 @@ def test_settings_reach_our_impacts_only(two_balls: str) -> None:
         settings={"restitution": 0.5, "duration": 1e-3},
     )
     assert comparison.reference is None
-    assert "not a row" in comparison.note
+    assert comparison.impact_reference is not None
+    assert comparison.impact_reference.name == "closed form"
     assert comparison.impact_speed == pytest.approx(1.0)
     ours = comparison.method(OURS)
     assert ours.setting == "restitution=0.5, duration=0.001"
     assert ours.trajectory is not None
     np.testing.assert_allclose(ours.trajectory.qvel[-1], [0.25, 0.75], atol=1e-5)
     # kinetic energy 1/2 m v^2 (1/16 + 9/16): 5/8 of the start
-    assert ours.energy_drift == pytest.approx(-3 / 8, abs=1e-4)
+    assert comparison.table()[0]["energy_lost"] == pytest.approx(3 / 8, abs=1e-4)
     damper = comparison.method("MuJoCo damper").trajectory
     assert damper is not None
     np.testing.assert_allclose(damper.qvel[-1], [0.25, 0.75], atol=1e-2)

@@ -9,7 +9,7 @@ import numpy as np
 
 from mujoco_impact.bench.samples import Samples
 from mujoco_impact.bench.scenes import BASE_TIMESTEP, BenchScene
-from mujoco_impact.compare import HALF_STEP_INTEGRATORS
+from mujoco_impact.comparing.survey import HALF_STEP_INTEGRATORS
 from mujoco_impact.errors import SimulationError
 from mujoco_impact.runner import (
     collected_warnings,

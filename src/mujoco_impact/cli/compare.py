@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -39,9 +40,13 @@ from mujoco_impact.cli.scenes import (
 )
 from mujoco_impact.compare import compare as compare_scene
 from mujoco_impact.comparison import Comparison
+from mujoco_impact.errors import ComparisonInterrupted, ImpactError
 from mujoco_impact.extras import require_matplotlib
 from mujoco_impact.plot import plot_comparison
 from mujoco_impact.starts import Keyframe
+
+PAIRS_SHOWN = 3
+"""Pairs that passed through each other named at most."""
 
 
 def demo(
@@ -55,8 +60,8 @@ def demo(
         check_outputs(png, json_file)
         require_matplotlib()
         scene = read_scene("row_5")
-        comparison = _compared(scene, 3.0, None, {}, {}, json_file)
-        _show_comparison(comparison, png, json_file)
+        compared = _compared(scene, 3.0, None, {}, {}, json_file)
+        _show_comparison(*compared, png, json_file)
 
 
 def compare(
@@ -82,7 +87,7 @@ def compare(
         if png is not None:
             require_matplotlib()
         scene = read_scene(model, timestep=timestep, integrator=integrator)
-        comparison = _compared(
+        compared = _compared(
             scene,
             duration,
             start_keyframe(scene, keyframe),
@@ -90,8 +95,9 @@ def compare(
             parsed_settings(settings, params, friction=friction),
             json_file,
         )
-        picture = png or Path(f"{scene.modelname}_comparison.png")
-        _show_comparison(comparison, picture, json_file)
+        stem = re.sub(r"[^\w.-]+", "_", scene.modelname)
+        picture = png or Path(f"{stem}_comparison.png")
+        _show_comparison(*compared, picture, json_file)
 
 
 def _compared(
@@ -101,33 +107,84 @@ def _compared(
     options: dict[str, Any],
     settings: dict[str, Any],
     json_file: str | None,
-) -> Comparison:
-    """Returns the comparison, showing its progress."""
+) -> tuple[Comparison, ComparisonInterrupted | None]:
+    """Returns the comparison, showing its progress, and what ended it early."""
     with progress(json_file) as report:
-        return compare_scene(
-            scene,
-            duration=duration,
-            keyframe=keyframe,
-            progress=report,
-            settings=settings,
-            **options,
-        )
+        try:
+            comparison = compare_scene(
+                scene,
+                duration=duration,
+                keyframe=keyframe,
+                progress=report,
+                settings=settings,
+                **options,
+            )
+        except ComparisonInterrupted as stopped:
+            return stopped.comparison, stopped
+    return comparison, None
 
 
-def _show_comparison(comparison: Comparison, png: Path, json_file: str | None) -> None:
-    """Prints the tables and writes the picture and the JSON."""
-    picture = plot_comparison(comparison, png)
-    write_json(json_file, {**comparison.to_dict(), "picture": str(picture)})
+def _show_comparison(
+    comparison: Comparison,
+    stopped: ComparisonInterrupted | None,
+    png: Path,
+    json_file: str | None,
+) -> None:
+    """Prints the tables, then writes the JSON and the picture."""
     console = console_of(json_file)
     if comparison.reference_velocities:
         console.print(tables.velocity_table(comparison))
-        console.print()
+    else:
+        console.print(tables.speed_table(comparison))
+        more = len(comparison.bodies) - tables.MOST_BODIES
+        if more > 0:
+            console.out(f"and {more} more bodies take part (--json has all)")
+    console.print()
     console.print(tables.comparison_table(comparison))
-    for method in comparison.methods:
-        if method.failure:
-            console.out(f"{method.name} failed: {method.failure}")
-    if comparison.note:
-        console.out(comparison.note)
-    console.out(f"\nimpact speed v0 = {comparison.impact_speed:.4f} m/s")
-    console.out(f"picture: {picture}")
+    for line in _notes(comparison):
+        console.out(line)
+    picture, trouble = None, ""
+    try:
+        picture = plot_comparison(comparison, png)
+    except (ImpactError, OSError) as error:
+        trouble = f"no picture: {error}"
+    write_json(
+        json_file,
+        {**comparison.to_dict(), "picture": None if picture is None else str(picture)},
+    )
+    console.out(trouble or f"picture: {picture}")
+    if stopped is not None:
+        raise stopped
     exit_if_unsound(comparison.remarks)
+
+
+def _notes(comparison: Comparison) -> list[str]:
+    """Returns what is to say below the tables."""
+    lines = [
+        f"{method.name} failed: {method.failure}"
+        for method in comparison.methods
+        if method.failure
+    ]
+    for method in comparison.methods:
+        pairs = () if method.seen is None else method.seen.passed
+        if pairs:
+            shown = ", ".join(" and ".join(pair) for pair in pairs[:PAIRS_SHOWN])
+            more = ", ..." if len(pairs) > PAIRS_SHOWN else ""
+            lines.append(f"{method.name}: {shown}{more} passed through each other")
+    missed = [
+        method.name
+        for method in comparison.methods
+        if method.before is None and not method.failure
+    ]
+    if missed:
+        lines.append(f"{', '.join(missed)}: the first impact does not happen")
+    lines.append("")
+    lines += [comparison.headline()] if comparison.headline() else []
+    lines += [comparison.note] if comparison.note else []
+    lines.append(
+        f"first impact at {comparison.first.time:.4g} s with "
+        f"v0 = {comparison.impact_speed:.4f} m/s; impacts slower than "
+        f"{comparison.slowest:.2g} m/s are not counted; energy lost in impacts is in "
+        f"parts of all energy of motion, {comparison.energy_scale:.3g} J"
+    )
+    return lines

@@ -1,0 +1,1 @@
+"""What `compare` measures of each motion, and what it is measured against."""

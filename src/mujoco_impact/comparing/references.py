@@ -1,0 +1,352 @@
+"""What the first impact should come to, where that is known without an engine.
+
+* Several elastic spheres without friction, free or on slide joints, and planes: the
+  Hertz problem, integrated (`reference.spheres`).
+* One contact of any two bodies, without friction: the closed form of the rigid impact,
+  v' = v + M⁻¹ Jᵀ P with P = (1 + e) u / (J M⁻¹ Jᵀ).
+
+Friction does not matter where nothing slides at the contact, as when a ball falls down
+straight.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import mujoco
+import numpy as np
+
+from mujoco_impact.comparing.first_impact import FirstImpact, velocities_at
+from mujoco_impact.comparing.survey import Survey
+from mujoco_impact.errors import ImpactError
+from mujoco_impact.pulses import geom_name
+from mujoco_impact.reference.spheres import Plane, Sphere, sphere_velocities
+from mujoco_impact.trajectory import Array, Trajectory
+
+SLIP = 1e-6
+"""Sliding speed at a contact that is none, over the closing speed."""
+
+REST = 1e-9
+"""Distance up to which bodies touch beside the contact at hand [m]."""
+
+JUST_BEFORE = 0.01
+"""Part of a step before bodies touch at which their nearest points are asked for."""
+
+HERTZ, CLOSED_FORM = "Hertz reference", "closed form"
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class ImpactReference:
+    """What the first impact leaves.
+
+    Attributes:
+        name: How it was computed.
+        time: Time that the velocities belong to [s].
+        velocities: Of the bodies of the impact [m/s], shape (n, 3).
+        free: Their acceleration without impacts [m/s²], shape (n, 3).
+    """
+
+    name: str
+    time: float
+    velocities: Array
+    free: Array
+
+    def at(self, time: float) -> Array:
+        """Returns the velocities at another time, without another impact."""
+        later: Array = self.velocities + (time - self.time) * self.free
+        return later
+
+
+@dataclasses.dataclass(frozen=True)
+class Material:
+    """What the impacts of a scene are computed with.
+
+    Attributes:
+        restitution: Coefficient of restitution.
+        young: Young's modulus [Pa].
+        poisson: Poisson's ratio.
+        friction: Whether impacts have friction.
+        hertz: Whether the impulses are those of Hertz contacts.
+    """
+
+    restitution: float = 1.0
+    young: float = 2e11
+    poisson: float = 0.3
+    friction: bool = False
+    hertz: bool = True
+
+
+def impact_reference(
+    model: mujoco.MjModel,
+    motion: Trajectory,
+    seen: Survey,
+    first: FirstImpact,
+    material: Material,
+) -> tuple[ImpactReference | None, str]:
+    """Returns the reference of the first impact, or None and why there is none.
+
+    Args:
+        model: The scene without the plugin.
+        motion: Our motion.
+        seen: What was seen of it.
+        first: Its first impact.
+        material: Material of the bodies.
+    """
+    try:
+        return _Scene(model, motion, seen, first, material).reference(), ""
+    except (_NoReference, ImpactError) as reason:
+        return None, f"no reference for the first impact: {reason}"
+
+
+class _NoReference(Exception):
+    """Why there is no reference."""
+
+
+class _Scene:
+    """The bodies of the first impact just before it."""
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        motion: Trajectory,
+        seen: Survey,
+        first: FirstImpact,
+        material: Material,
+    ) -> None:
+        self._model, self._motion = model, motion
+        self._first, self._material = first, material
+        sample = first.before
+        self.free = _free_acceleration(model, motion, seen, first)
+        self.velocity = velocities_at(motion, seen, sample, first.bodies, self.free)
+        self._data = mujoco.MjData(model)
+        self._data.qpos[:] = motion.qpos[sample]
+        self._data.qvel[:] = motion.qvel[sample]
+        mujoco.mj_forward(model, self._data)
+        self._half = 0.5 * motion.timestep if motion.integrator != "RK4" else 0.0
+
+    def reference(self) -> ImpactReference:
+        """Returns the reference."""
+        if not self._material.hertz:
+            raise _NoReference("the law is not that of Hertz contacts")
+        if self._model.neq and self._data.ne:
+            raise _NoReference("bodies are tied to each other")
+        alone = len(self._first.meetings) == 1 and self._first.meetings[0].points == 1
+        spheres = self._spheres()
+        if not alone and spheres is None:
+            raise _NoReference(
+                "several contacts of bodies other than free spheres act together"
+            )
+        self._check_beside(alone)
+        if alone:
+            return self._closed_form()
+        if self._material.restitution < 1.0:
+            raise _NoReference("several contacts lose energy together")
+        return self._hertz(spheres or [])
+
+    def _spheres(self) -> list[int] | None:
+        """Returns the sphere of each body; None if it has another shape or joint."""
+        model, found = self._model, []
+        for body in self._first.bodies:
+            geoms = _colliding(model, body)
+            joints = range(
+                model.body_jntadr[body],
+                model.body_jntadr[body] + model.body_jntnum[body],
+            )
+            kinds = {int(model.jnt_type[joint]) for joint in joints}
+            free = kinds == {int(mujoco.mjtJoint.mjJNT_FREE)}
+            slides = kinds == {int(mujoco.mjtJoint.mjJNT_SLIDE)}
+            whole = (
+                len(geoms) == 1
+                and model.geom_type[geoms[0]] == mujoco.mjtGeom.mjGEOM_SPHERE
+                and model.body_parentid[body] == 0
+                and np.allclose(
+                    self._data.xipos[body], self._data.geom_xpos[geoms[0]], atol=1e-9
+                )
+            )
+            if not (whole and (free or slides)):
+                return None
+            found.append(geoms[0])
+        return found
+
+    def _check_beside(self, alone: bool) -> None:
+        """Raises if friction, or bodies that touch, would change the outcome."""
+        taking = {frozenset(one.geoms) for one in self._first.meetings}
+        bodies = set(self._first.bodies)
+        for contact in self._data.contact:
+            ids = contact.geom.tolist()
+            names = frozenset(geom_name(self._model, geom) for geom in ids)
+            owners = {int(self._model.geom_bodyid[geom]) for geom in ids}
+            if contact.dist > REST or not owners & bodies or names in taking:
+                continue
+            if alone or contact.dim > 1:
+                one, other = sorted(names)
+                raise _NoReference(f"{one!r} also touches {other!r}")
+        for meeting in self._first.meetings:
+            self._check_slip(meeting.geoms)
+
+    def _check_slip(self, names: tuple[str, str]) -> None:
+        """Raises if there is friction at a contact, and something slides there."""
+        ids = [self._geom(name) for name in names]
+        if not self._material.friction and not self._has_friction(ids):
+            return
+        normal, point = self._contact(ids[0], ids[1])
+        rows = [self._row(geom, point) for geom in ids]
+        relative = (rows[1] - rows[0]) @ self._data.qvel
+        slip = relative - normal * (normal @ relative)
+        if np.linalg.norm(slip) > SLIP * self._first.closing_speed:
+            one, other = names
+            raise _NoReference(
+                f"{one!r} and {other!r} slide on each other with friction"
+            )
+
+    def _has_friction(self, ids: list[int]) -> bool:
+        """Returns whether MuJoCo's contact of two geoms has friction."""
+        model = self._model
+        priority = model.geom_priority[ids]
+        if priority[0] != priority[1]:
+            ids = [ids[int(np.argmax(priority))]]
+        return bool(model.geom_condim[ids].max() > 1) and bool(
+            model.geom_friction[ids, 0].max() > 1e-5
+        )
+
+    def _geom(self, name: str) -> int:
+        """Returns the id of a geom by the name that impacts call it."""
+        found = mujoco.mj_name2id(self._model, mujoco.mjtObj.mjOBJ_GEOM, name)
+        return found if found >= 0 else int(name.rpartition(" ")[2])
+
+    def _contact(self, first: int, second: int) -> tuple[Array, Array]:
+        """Returns normal, from the first geom, and point of a contact."""
+        model, data = self._model, self._data
+        spheres = [
+            model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_SPHERE
+            for geom in (first, second)
+        ]
+        centres = data.geom_xpos[[first, second]]
+        if all(spheres):
+            line = centres[1] - centres[0]
+            normal = line / np.linalg.norm(line)
+            return normal, centres[0] + model.geom_size[first, 0] * normal
+        ends = np.zeros(6)
+        # as far as anything moves in a step; MuJoCo's narrow phase is no contact model
+        reach = 10.0 * self._first.closing_speed * self._motion.timestep
+        distance = mujoco.mj_geomDistance(model, data, first, second, reach, ends)
+        line = ends[3:] - ends[:3]
+        length = float(np.linalg.norm(line))
+        if length < REST:
+            raise _NoReference("the bodies already touch")
+        return np.sign(distance) * line / length, 0.5 * (ends[3:] + ends[:3])
+
+    def _row(self, geom: int, point: Array) -> Array:
+        """Returns the Jacobian of a point of a geom's body, shape (3, nv)."""
+        row = np.zeros((3, self._model.nv))
+        body = int(self._model.geom_bodyid[geom])
+        mujoco.mj_jac(self._model, self._data, row, None, point, body)
+        return row
+
+    def _closed_form(self) -> ImpactReference:
+        """Returns the rigid impact of one contact."""
+        model, data, first = self._model, self._data, self._first
+        time = first.time - float(self._motion.time[first.before])
+        # to where the bodies are just before they meet, and as fast as they then are
+        rate = data.qacc.copy()
+        data.qvel[:] += (time + self._half) * rate
+        near = max(0.0, time - JUST_BEFORE * self._motion.timestep)
+        mujoco.mj_integratePos(model, data.qpos, data.qvel - time / 2 * rate, near)
+        mujoco.mj_forward(model, data)
+        one, other = first.geoms
+        normal, point = self._contact_there(one, other)
+        row = normal @ (self._row(other, point) - self._row(one, point))
+        answer = np.zeros((1, model.nv))
+        mujoco.mj_solveM(model, data, answer, row[None])
+        closing = -float(row @ data.qvel)
+        impulse = (1.0 + self._material.restitution) * closing / float(row @ answer[0])
+        data.qvel[:] += impulse * answer[0]
+        mujoco.mj_fwdVelocity(model, data)
+        bodies = list(first.bodies)
+        arms = data.xipos[bodies] - data.subtree_com[model.body_rootid[bodies]]
+        left = data.cvel[bodies, 3:] + np.cross(data.cvel[bodies, :3], arms)
+        # while they touch the weight does nothing: they part as fast as they met
+        parted = first.time + first.meetings[0].duration
+        return ImpactReference(CLOSED_FORM, parted, left, self.free)
+
+    def _contact_there(self, first: int, second: int) -> tuple[Array, Array]:
+        """Returns normal and point of the contact that closes now, by its overlap."""
+        try:
+            return self._contact(first, second)
+        except _NoReference:
+            for contact in self._data.contact:
+                if set(contact.geom.tolist()) == {first, second}:
+                    sign = 1.0 if contact.geom[0] == first else -1.0
+                    return sign * contact.frame[:3], contact.pos.copy()
+            raise
+
+    def _hertz(self, geoms: list[int]) -> ImpactReference:
+        """Returns the elastic impact of spheres and planes."""
+        model, data, first = self._model, self._data, self._first
+        spheres = []
+        for number, (body, geom) in enumerate(zip(first.bodies, geoms, strict=True)):
+            joints = slice(
+                model.body_jntadr[body],
+                model.body_jntadr[body] + model.body_jntnum[body],
+            )
+            slides = model.jnt_type[joints.start] == mujoco.mjtJoint.mjJNT_SLIDE
+            spheres.append(
+                Sphere(
+                    mass=float(model.body_mass[body]),
+                    radius=float(model.geom_size[geom, 0]),
+                    position=data.geom_xpos[geom].copy(),
+                    velocity=self.velocity[number],
+                    acceleration=self.free[number],
+                    directions=data.xaxis[joints].copy() if slides else np.eye(3),
+                )
+            )
+        planes = []
+        for geom in {self._geom(name) for one in first.meetings for name in one.geoms}:
+            if geom in geoms:
+                continue
+            if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_PLANE:
+                raise _NoReference(
+                    f"{geom_name(model, geom)!r} is neither sphere nor plane"
+                )
+            normal = data.geom_xmat[geom].reshape(3, 3)[:, 2].copy()
+            planes.append(Plane(data.geom_xpos[geom].copy(), normal))
+        spheres = [_lifted(one, planes) for one in spheres]
+        end = float(self._motion.time[first.after])
+        left = sphere_velocities(
+            spheres,
+            planes,
+            end - float(self._motion.time[first.before]),
+            young=self._material.young,
+            poisson=self._material.poisson,
+        )
+        return ImpactReference(HERTZ, end, left, self.free)
+
+
+def _lifted(sphere: Sphere, planes: list[Plane]) -> Sphere:
+    """Returns a sphere that rests on a plane without sinking into it."""
+    for plane in planes:
+        gap = (sphere.position - plane.point) @ plane.normal - sphere.radius
+        if gap < 0.0:
+            lifted = sphere.position - gap * plane.normal
+            sphere = dataclasses.replace(sphere, position=lifted)
+    return sphere
+
+
+def _colliding(model: mujoco.MjModel, body: int) -> list[int]:
+    """Returns the geoms of a body that can collide."""
+    begin = int(model.body_geomadr[body])
+    geoms = range(begin, begin + int(model.body_geomnum[body]))
+    return [g for g in geoms if model.geom_contype[g] or model.geom_conaffinity[g]]
+
+
+def _free_acceleration(
+    model: mujoco.MjModel, motion: Trajectory, seen: Survey, first: FirstImpact
+) -> Array:
+    """Returns the acceleration of the bodies before the impact [m/s²], shape (n, 3)."""
+    before, bodies = first.before, list(first.bodies)
+    if before == 0:
+        return np.tile(model.opt.gravity, (len(bodies), 1))
+    step = float(motion.time[before] - motion.time[before - 1])
+    change = seen.velocities[before, bodies] - seen.velocities[before - 1, bodies]
+    acceleration: Array = change / step
+    return acceleration
