@@ -10,6 +10,7 @@
 #include "law/impact_clock.h"
 #include "law/lanes.h"
 #include "law/pair.h"
+#include "law/single_friction.h"
 #include "law/single_impact.h"
 
 namespace mujoco_impact::law {
@@ -33,6 +34,10 @@ constexpr double kPositionError[] = {1.0 / 14 + 7.0 / 150, 8.0 / 27 - 67.0 / 150
 constexpr double kVelocityError[] = {1.0 / 14 - 13.0 / 21, 32.0 / 81 + 20.0 / 27,
                                      250.0 / 567 - 275.0 / 189, 5.0 / 54 + 1.0 / 3};
 
+// With friction a step is no shorter than this part of the contact time, whatever its error: the
+// impulse of such a step is none.
+constexpr double kShortest = 1e-3;
+
 class Integrator {
  public:
   Integrator(const ImpactProblem& problem, ImpactSolution* solution, const Workspace& workspace);
@@ -53,8 +58,10 @@ class Integrator {
   void UpdatePhases();
   void SetRates();
   void MoveWindow();
+  SingleFriction Alone(int i) const;
   int ClosingAlone() const;
   void CollideAlone(int i);
+  void RubAlone(int i, const SingleFriction& single);
 
   const ImpactProblem& problem_;
   ImpactSolution& solution_;
@@ -151,11 +158,10 @@ double Integrator::TryFriction(double h) {
   for (int i = 0; i < lanes_.size(); ++i) {
     friction_->dP[i] = h * (kVelocity[0] * F1[i] + kVelocity[1] * F2[i] + kVelocity[2] * F3[i] +
                             kVelocity[3] * F4[i]);
-    const double remaining =
+    friction_->lead[i] =
         h * h * (kPosition[0] * F1[i] + kPosition[1] * F2[i] + kPosition[2] * F3[i]);
-    friction_->dM[i] = (t_ + h) * friction_->dP[i] - remaining;
   }
-  return friction_->Try(F1, F4, c_new_);
+  return friction_->Try(F1, F4, rate_, y_new_, c_new_);
 }
 
 // Whether a step of length h has followed the contact of lane i too far beyond its turn: for δt, in
@@ -220,7 +226,7 @@ void Integrator::Accept(double h) {
   std::swap(force_[0], force_[3]);
   std::swap(pull_[0], pull_[3]);
   t_ = after;
-  if (friction_ && friction_->Accept()) lanes_.Multiply(force_[0], pull_[0]);
+  if (friction_ && friction_->Accept(t_)) EvaluateStage(lanes_.y, 0);
 }
 
 // After a step: a contact that opened within it did so at c, not at c/e²; no force depends on it.
@@ -249,10 +255,28 @@ void Integrator::SetRates() {
   if (dropped) EvaluateStage(lanes_.y, 0);
 }
 
+// The whole impact of the contact of lane i, all others left out.
+SingleFriction Integrator::Alone(int i) const {
+  const DelassusMatrix& W = problem_.delassus;
+  const int k = lanes_.contact(i);
+  const double c = lanes_.c[i], K = problem_.stiffness[k], e = problem_.restitution;
+  if (friction_ && friction_->mu(i) > 0) {
+    return SolveSingleFriction({W.diagonal[k],
+                                OwnBlock(W, *problem_.friction, k),
+                                c,
+                                {lanes_.slip[2 * i], lanes_.slip[2 * i + 1]},
+                                friction_->mu(i),
+                                K,
+                                e},
+                               problem_.tolerance);
+  }
+  const SingleImpact single = SolveSingleImpact(1 / W.diagonal[k], c, K, e);
+  return {single.impulse, single.moment, single.duration, single.peak, {}, {}, 1};
+}
+
 // The lane of the contact that has just closed, if nothing else happens until it opens again: no
 // neighbour can close under its impulse, no other contact closes by itself. −1 if something may.
 int Integrator::ClosingAlone() const {
-  if (friction_) return -1;
   const DelassusMatrix& W = problem_.delassus;
   const double *y = lanes_.y, *c = lanes_.c;
   int alone = -1;
@@ -263,16 +287,22 @@ int Integrator::ClosingAlone() const {
   }
   if (alone < 0) return -1;
   const int k = lanes_.contact(alone);
-  const SingleImpact single =
-      SolveSingleImpact(1 / W.diagonal[k], c[alone], problem_.stiffness[k], problem_.restitution);
+  const SingleFriction single = Alone(alone);
   bool closes_another = false;
-  ForRow(W, k, [&](int l, double coupling) {
+  const auto close = [&](int l, double most) {
     const int i = lanes_.lane(l);
     if (i < 0 || i == alone) return;
-    // the impulse changes c by at most |W_kl| P
-    const double fastest = std::max(0.0, c[i]) + std::abs(coupling) * single.impulse;
+    // the impulse changes c by no more than `most`
+    const double fastest = std::max(0.0, c[i]) + most;
     closes_another = closes_another || -y[i] <= fastest * single.duration;
-  });
+  };
+  ForRow(W, k, [&](int l, double coupling) { close(l, std::abs(coupling) * single.impulse); });
+  if (friction_) {
+    const double most = friction_->mu(alone) * single.impulse;
+    ForBlocks(W, *problem_.friction, k, [&](int l, const TangentBlock& block) {
+      close(l, 2 * most * std::max(std::abs(block.tn[0]), std::abs(block.tn[1])));
+    });
+  }
   if (closes_another) return -1;
   if (lanes_.window().NextArrival() <= t_ + single.duration) return -1;
   for (int i = 0; i < lanes_.size(); ++i) {
@@ -285,8 +315,7 @@ int Integrator::ClosingAlone() const {
 void Integrator::CollideAlone(int i) {
   const DelassusMatrix& W = problem_.delassus;
   const int k = lanes_.contact(i);
-  const SingleImpact single = SolveSingleImpact(1 / W.diagonal[k], lanes_.c[i],
-                                                problem_.stiffness[k], problem_.restitution);
+  const SingleFriction single = Alone(i);
   const double P = single.impulse, T = single.duration;
   if (lanes_.impulse[i] == 0) solution_.onset[k] = t_;
   if (solution_.peak) solution_.peak[k] = std::max(solution_.peak[k], single.peak);
@@ -300,8 +329,28 @@ void Integrator::CollideAlone(int i) {
     lanes_.y[j] -= coupling * (T * P - single.moment);
     lanes_.c[j] -= coupling * P;
   });
+  if (friction_) RubAlone(i, single);
   lanes_.y[i] = 0;
   t_ += T;
+}
+
+// What the friction of that does.
+void Integrator::RubAlone(int i, const SingleFriction& single) {
+  const double P = single.impulse, T = single.duration;
+  const Pair Q = At(single.friction), M = At(single.friction_moment), lead = T * Q - M;
+  double *impulse = lanes_.friction_impulse + 2 * i, *moment = lanes_.friction_moment + 2 * i;
+  Put(impulse, At(impulse) + Q);
+  Put(moment, At(moment) + t_ * Q + M);
+  ForBlocks(problem_.delassus, *problem_.friction, lanes_.contact(i),
+            [&](int l, const TangentBlock& block) {
+              const int j = lanes_.lane(l);
+              if (j < 0) return;
+              lanes_.y[j] -= block.tn[0] * lead[0] + block.tn[1] * lead[1];
+              lanes_.c[j] -= block.tn[0] * Q[0] + block.tn[1] * Q[1];
+              double* slip = lanes_.slip + 2 * j;
+              Put(slip,
+                  At(slip) + P * At(block.nt) + Q[0] * At(block.tt[0]) + Q[1] * At(block.tt[1]));
+            });
 }
 
 void Integrator::MoveWindow() {
@@ -324,7 +373,7 @@ ImpactReport Integrator::Run() {
       report.converged = false;
       break;
     }
-    work_ += StepCost(lanes_, kProducts);
+    work_ += StepCost(lanes_, kProducts + (friction_ ? FrictionStep::kProducts : 0));
     if (!AnyCompressed(lanes_)) {
       work_ += SearchCost(problem_, lanes_);
       if (!FlyToNextClosing(problem_, scale_, lanes_, &t_)) break;
@@ -351,19 +400,20 @@ ImpactReport Integrator::Run() {
       continue;
     }
     turns = 0;
-    double friction_growth = growth;
+    double growth_of_friction = growth;
     if (friction_) {
       const double of_friction = TryFriction(h);
-      friction_growth = FrictionStep::Growth(of_friction);
-      if (of_friction > 1) {
-        h *= friction_growth;
+      growth_of_friction = friction_->Growth(of_friction);
+      if (of_friction > 1 && h > kShortest * scale_.time) {
+        h *= growth_of_friction;
         continue;
       }
+      growth_of_friction = std::max(growth_of_friction, kShortest * scale_.time / h);
     }
     Accept(h);
     if (!lossless_) UpdatePhases();
     MoveWindow();
-    h *= std::min(growth, friction_growth);
+    h *= std::min(growth, growth_of_friction);
     ++report.steps;
   }
   lanes_.Finish();

@@ -57,20 +57,12 @@ void SlipAfter(const DelassusMatrix& W, const CoulombFriction& friction, const d
   }
 }
 
-void OwnTangents(const DelassusMatrix& W, const CoulombFriction& friction, int k, double tt[2][2]) {
-  if (W.by_body) {
-    const BodyRows tangents = TangentRows(W, friction);
-    for (int i = 0; i < 2; ++i) {
-      for (int j = 0; j < 2; ++j) tt[i][j] = Coupling(tangents, 2 * k + i, 2 * k + j);
-    }
-    return;
-  }
-  for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
-    if (W.column[a] != k) continue;
-    for (int i = 0; i < 2; ++i) {
-      for (int j = 0; j < 2; ++j) tt[i][j] = friction.block[a].tt[i][j];
-    }
-  }
+TangentBlock OwnBlock(const DelassusMatrix& W, const CoulombFriction& friction, int k) {
+  TangentBlock own{};
+  ForBlocks(W, friction, k, [&](int l, const TangentBlock& block) {
+    if (l == k) own = block;
+  });
+  return own;
 }
 
 }  // namespace mujoco_impact::law

@@ -57,8 +57,33 @@ void AddTangential(const DelassusMatrix& W, const CoulombFriction& friction, con
 void SlipAfter(const DelassusMatrix& W, const CoulombFriction& friction, const double* p,
                const double* x, double* slip);
 
-// W_tt of one contact.
-void OwnTangents(const DelassusMatrix& W, const CoulombFriction& friction, int k, double tt[2][2]);
+// Calls visit(l, block) for every contact l that shares a body with contact k, itself included.
+template <typename Visit>
+void ForBlocks(const DelassusMatrix& W, const CoulombFriction& friction, int k, Visit visit) {
+  if (!W.by_body) {
+    for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) visit(W.column[a], friction.block[a]);
+    return;
+  }
+  const BodyRows &normals = *W.by_body, tangents = TangentRows(W, friction);
+  ForNeighbours(W, k, [&](int l) {
+    TangentBlock block;
+    for (int i = 0; i < 2; ++i) {
+      block.nt[i] = Coupling(normals, tangents, k, 2 * l + i);
+      block.tn[i] = Coupling(tangents, normals, 2 * k + i, l);
+      for (int j = 0; j < 2; ++j) block.tt[i][j] = Coupling(tangents, 2 * k + i, 2 * l + j);
+    }
+    visit(l, block);
+  });
+}
+
+// Whether friction moves anything: balls on slides, say, cannot slip over each other.
+inline bool CanSlip(const TangentBlock& own, double W_nn) {
+  constexpr double kImmobile = 1e-9;
+  return own.tt[0][0] + own.tt[1][1] > kImmobile * W_nn;
+}
+
+// The couplings of one contact with itself.
+TangentBlock OwnBlock(const DelassusMatrix& W, const CoulombFriction& friction, int k);
 
 }  // namespace mujoco_impact::law
 

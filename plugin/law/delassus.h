@@ -51,18 +51,23 @@ inline double DotByPairs(const double* a, const double* b, int n) {
   return sum[0] + sum[1] + (n & 1 ? a[n - 1] * b[n - 1] : 0);
 }
 
-// W_kl by bodies.
-inline double Coupling(const BodyRows& rows, int k, int l) {
+// J_k M⁻¹ J_lᵀ by bodies, of row k of some rows and row l of some others.
+inline double Coupling(const BodyRows& rows, const BodyRows& others, int k, int l) {
   double sum = 0;
   for (int i = 2 * k; i < 2 * k + 2; ++i) {
     const auto& [body, row, unused] = rows.part[i];
     if (body < 0) continue;
     for (int j = 2 * l; j < 2 * l + 2; ++j) {
-      if (rows.part[j].body == body) sum += DotByPairs(row, rows.part[j].answer, rows.dofs(body));
+      if (others.part[j].body == body) {
+        sum += DotByPairs(row, others.part[j].answer, rows.dofs(body));
+      }
     }
   }
   return sum;
 }
+
+// W_kl by bodies.
+inline double Coupling(const BodyRows& rows, int k, int l) { return Coupling(rows, rows, k, l); }
 
 // z += M⁻¹ J_kᵀ x
 inline void AddAnswer(const BodyRows& rows, int k, double x, double* z) {

@@ -9,7 +9,7 @@ namespace mujoco_impact::law {
 
 namespace {
 
-// A part of the trace, below which a difference is rounding.
+// A part of the trace, or of a step, that is rounding.
 constexpr double kNothing = 1e-9;
 
 double Dot(Pair x, Pair y) {
@@ -17,12 +17,12 @@ double Dot(Pair x, Pair y) {
   return product[0] + product[1];
 }
 
+double Length(Pair x) { return std::sqrt(Dot(x, x)); }
+
+bool IsWithin(Pair p, double R) { return Dot(p, p) <= R * R; }
+
 bool IsRound(const Tangents& A) {
   return std::abs(A.b) + std::abs(A.a - A.c) < kNothing * (A.a + A.c);
-}
-
-Pair Times(const Tangents& A, Pair x) {
-  return Pair{A.a * x[0] + A.b * x[1], A.b * x[0] + A.c * x[1]};
 }
 
 // (A + λ)⁻¹ g
@@ -31,23 +31,65 @@ Pair Solve(const Tangents& A, double lambda, Pair g) {
   return Pair{inverse * (c * g[0] - A.b * g[1]), inverse * (a * g[1] - A.b * g[0])};
 }
 
-// The p = −(A + λ)⁻¹ g with |p| = R, λ ≥ 0, for a p with λ = 0 that is longer.
+// The p = −(A + λ)⁻¹ g with |p| = R, λ ≥ 0, if that of λ = 0 is longer.
 Pair OnRim(const Tangents& A, Pair g, double R) {
-  const double length = std::sqrt(Dot(g, g));
+  const double length = Length(g);
+  if (length == 0) return g;
   if (IsRound(A)) return -R / length * g;
   // Newton's method for 1/|p| = 1/R, which is concave in λ and nearly straight, from the left
-  double lambda =
-      std::max(0.0, length / R - 0.5 * (A.a + A.c) - std::hypot(0.5 * (A.a - A.c), A.b));
+  const double largest = 0.5 * (A.a + A.c + std::sqrt((A.a - A.c) * (A.a - A.c) + 4 * A.b * A.b));
+  double lambda = std::max(0.0, length / R - largest);
   Pair p = Solve(A, lambda, g);
-  constexpr int kMost = 30;
-  for (int i = 0; i < kMost; ++i) {
-    const double square = Dot(p, p), size = std::sqrt(square);
-    if (std::abs(size - R) <= kNothing * R) break;
+  constexpr int kMost = 20;
+  constexpr double kEnough = 1e-6;  // |p| is made R, and its direction changes slower
+  double size = Length(p);
+  for (int i = 0; i < kMost && std::abs(size - R) > kEnough * R; ++i) {
     // d|p|²/dλ = −2 p·(A + λ)⁻¹ p
-    lambda = std::max(0.0, lambda + (size / R - 1) * square / Dot(p, Solve(A, lambda, p)));
+    const double step = (size / R - 1) * size * size / Dot(p, Solve(A, lambda, p));
+    lambda = std::max(0.0, lambda + step);
     p = Solve(A, lambda, g);
+    size = Length(p);
   }
-  return -R / std::sqrt(Dot(p, p)) * p;
+  return -R / size * p;
+}
+
+// p₁ up to the part θ of the step, then it slides.
+StepFriction ThenSlides(const ContactStep& step, double theta, Pair p1) {
+  const double rest = 1 - theta;
+  if (rest <= kNothing) return {p1, p1, p1, 0};
+  const Pair b = step.b + Times(step.A, p1), stops = -Times(step.inverse, b);
+  const bool holds = IsWithin(stops, rest * step.R);  // until the end, where it begins to slide
+  const Pair p2 = holds ? stops : OnRim(step.A, b, rest * step.R);
+  const Pair ratio = holds ? OnRim(step.A, step.rate, step.R) : 1 / rest * p2;
+  return {p1 + p2, (2 - theta) * p1 + rest * p2, ratio, theta};
+}
+
+// A contact that has stuck: the ratio that keeps it so goes on as it went.
+StepFriction AfterSticking(const ContactStep& step, Pair needed) {
+  const double R = step.R;
+  Pair start = 0.5 * (step.before + needed);
+  if (!IsWithin(start, R)) start = step.before;
+  const Pair way = 2 * (needed - start);
+  if (IsWithin(start + way, R)) {
+    // what sweeps have left of the slip is taken up as far as the cone goes
+    const Pair stops = -Times(step.inverse, step.b);
+    const Pair p = IsWithin(stops, R) ? stops : OnRim(step.A, step.b, R);
+    return {p, p, needed, 0};
+  }
+  // |start + θ way| = R
+  const double a = Dot(way, way), half = Dot(start, way), c = Dot(start, start) - R * R;
+  const double root = std::sqrt(std::max(0.0, half * half - a * c));
+  const double theta = std::clamp(-c / (half + root), 0.0, 1.0);
+  return ThenSlides(step, theta, theta * (start + 0.5 * theta * way));
+}
+
+// A contact that slides, and whose slip changes its direction within the step: it stops on the way.
+StepFriction ThroughZero(const ContactStep& step, double speed) {
+  if (speed == 0) return ThenSlides(step, kNothing, Pair{});
+  const Pair d = 1 / speed * step.v;
+  const double slowing = step.R * Dot(d, Times(step.A, d)) - Dot(step.first_rate, d);
+  const double theta = slowing > speed ? speed / slowing : 1;
+  return ThenSlides(step, theta, -theta * step.R * d);
 }
 
 }  // namespace
@@ -57,15 +99,25 @@ Tangents Lifted(const double tt[2][2]) {
   return {tt[0][0] + lift, 0.5 * (tt[0][1] + tt[1][0]), tt[1][1] + lift};
 }
 
-Pair FrictionOfStep(const Tangents& A, Pair v, Pair b, double R) {
-  const Pair sticks = -Solve(A, 0, b);
-  if (Dot(sticks, sticks) <= R * R) return sticks;
-  const Pair g = v + b, free = Solve(A, 0, g);
-  if (Dot(free, free) > R * R) {
-    const Pair p = OnRim(A, g, R);
-    if (Dot(b + Times(A, p), p) <= 0) return p;
+StepFriction FrictionOfStep(const ContactStep& step) {
+  const double R = step.R;
+  const Pair needed = -Times(step.inverse, step.rate);  // to keep the slip as it is
+  if (step.stuck) return AfterSticking(step, needed);
+  const double speed = Length(step.v);
+  const Pair stops = -Times(step.inverse, step.b);
+  if (IsWithin(needed, R) && IsWithin(stops, R)) {
+    const Pair slides = speed > 0 ? -R / speed * step.v : needed;
+    const double way = Length(slides - needed);
+    const double theta = way > 0 ? std::min(1.0, Length(stops - needed) / way) : 0;
+    const double rest = 1 - theta;
+    return {stops, theta * (2 - theta) * slides + rest * rest * needed, needed, theta};
   }
-  return OnRim(A, b, R);
+  const Pair g = step.v + step.b;
+  if (!IsWithin(Times(step.inverse, g), R)) {
+    const Pair p = OnRim(step.A, g, R);
+    if (Dot(step.v, p) <= 0 && Dot(step.b + Times(step.A, p), p) <= 0) return {p, p, p, 0};
+  }
+  return ThroughZero(step, speed);
 }
 
 }  // namespace mujoco_impact::law

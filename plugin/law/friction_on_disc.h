@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Friction of one contact over a step, the forces of all others given.
+// Friction of one contact over a step, what all others do given.
 //
-// With the friction p = ∫ F_t dt that has the bound |p| ≤ R = μ ΔP, the slip goes from v to b + A
-// p, A = W_tt of the contact. Coulomb's law over a step:
+// Friction p = ∫ F_t ds has the bound R = μ ΔP. It changes the slip from v at the beginning to b +
+// A p at the end, A = W_tt of the contact. Coulomb's law over the step:
 //
-//   sticks:  p = −A⁻¹ b, the slip at the end is 0, if |p| ≤ R
-//   slides:  p = −(A + λ)⁻¹ (v + b), λ ≥ 0, |p| = R: p is against the mean slip of the step, which
-//            makes its work, p·(v + b + A p)/2, ≤ 0 and a turning slip right to second order
-//   turns round: where that has no solution, or leaves a slip along p, p is against the slip at the
-//            end, p = −(A + λ)⁻¹ b
+//   sticks:      p = −A⁻¹ b, the slip at the end is 0
+//   slides:      p = −(A + λ)⁻¹ (v + b), λ ≥ 0, |p| = R: against the mean slip of the step, so that
+//   its
+//                work p·(v + b + A p)/2 is ≤ 0 and a slip that turns is right to second order
+//   stops, or begins to slide, within the step: what it does before and after, one after the other;
+//                exact for a slip along a line and forces that share their time course
 //
-// All three minimise pᵀA p/2 + gᵀp on the disc |p| ≤ R, for one g or the other.
+// Sliding friction minimises pᵀA p/2 + gᵀp on the disc |p| ≤ R, g = v + b.
 
 #ifndef MUJOCO_IMPACT_LAW_FRICTION_ON_DISC_H_
 #define MUJOCO_IMPACT_LAW_FRICTION_ON_DISC_H_
@@ -19,18 +20,45 @@
 
 namespace mujoco_impact::law {
 
-// A symmetric positive definite 2 × 2 matrix.
+// W_tt of a contact, symmetric and positive definite: A = (a b; b c).
 struct Tangents {
-  double a, b, c;  // A = (a b; b c)
+  double a, b, c;
 };
 
-// A with its null directions lifted by 1e-9 of its trace, so that A⁻¹ exists: friction does nothing
-// along them.
+// A⁻¹
+inline Tangents Inverse(const Tangents& A) {
+  const double over = 1 / (A.a * A.c - A.b * A.b);
+  return {over * A.c, -over * A.b, over * A.a};
+}
+
+// W_tt with its null directions lifted by 1e-9 of its trace, so that A⁻¹ exists: friction does
+// nothing along them.
 Tangents Lifted(const double tt[2][2]);
 
-// p [N s] of a contact with slip v at the beginning and b [m/s] at the end without its friction, in
-// a step in which |p| ≤ R.
-Pair FrictionOfStep(const Tangents& A, Pair v, Pair b, double R);
+// A x
+inline Pair Times(const Tangents& A, Pair x) {
+  return Pair{A.a * x[0] + A.b * x[1], A.b * x[0] + A.c * x[1]};
+}
+
+// The step as a contact sees it. Ratios of friction to normal force are in units of 1/ΔP.
+struct ContactStep {
+  const Tangents &A, &inverse;
+  double R;               // μ ΔP [N s]
+  Pair v, b;              // slip at the beginning, and at the end without its own friction [m/s]
+  Pair first_rate, rate;  // change of slip in a step, without its own friction, that goes on as it
+                          // is at the beginning, and at the end [m/s]
+  Pair before;            // ratio at the end of the step before
+  bool stuck;             // whether that was within the cone
+};
+
+struct StepFriction {
+  Pair p;        // ∫ F_t ds [N s]
+  Pair lead;     // ∫ (h − s) F_t ds in units of what the normal force has: ∫ (h − s) F ds / ΔP
+  Pair ratio;    // at the end
+  double theta;  // part of the step after which it stops or begins to slide; 0: it does not
+};
+
+StepFriction FrictionOfStep(const ContactStep& step);
 
 }  // namespace mujoco_impact::law
 

@@ -4,40 +4,46 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 namespace mujoco_impact::law {
 
 namespace {
 
-// Sweeps over the contacts in a step.
-constexpr int kSweeps = 2;
+// Sweeps over the contacts in a step, at most.
+constexpr int kSweeps = 4;
 
-// Tolerance of the friction, in that of the normal forces: errors of ratios do not add up.
+// Tolerance of friction in that of the normal forces: its errors do not add up.
 constexpr double kFrictionTolerance = 10;
 
-// Part of that below which a change of slip is none.
-constexpr double kNoChange = 1e-2;
+// Parts of that from which a change of slip goes round to the other contacts, and calls for another
+// sweep.
+constexpr double kChange = 1e-2, kAnotherSweep = 1e-1;
 
-// A contact whose friction moves nothing, in parts of W_nn.
-constexpr double kImmobile = 1e-9;
+// Ratios of less than this part of μ are within the cone.
+constexpr double kWithin = 1 - 1e-9;
 
-double Length(Pair x) { return std::hypot(x[0], x[1]); }
+double Dot(Pair x, Pair y) {
+  const Pair product = x * y;
+  return product[0] + product[1];
+}
+
+double Length(Pair x) { return std::sqrt(Dot(x, x)); }
+
+void Add(double* to, Pair x) { Put(to, At(to) + x); }
 
 }  // namespace
 
 FrictionStep::FrictionStep(const ImpactProblem& problem, const ImpactScale& scale, Lanes& lanes)
     : dP(lanes.Take()),
-      dM(lanes.Take()),
+      lead(lanes.Take()),
       problem_(problem),
       friction_(*problem.friction),
-      scale_(scale),
       lanes_(lanes),
       tangents_(problem.delassus.by_body ? TangentRows(problem.delassus, friction_) : BodyRows{}),
-      mu_(lanes.Take()),
-      stiffness_(lanes.Take(3)),
-      coupling_(lanes.Take()),
-      p_(lanes.Take(2)),
-      slip_(lanes.Take(2)) {
+      enough_(kChange * kFrictionTolerance * problem.tolerance * scale.speed),
+      tolerance_(kFrictionTolerance * problem.tolerance * scale.speed),
+      grip_(new (lanes.Take(kArrays - 2)) Grip[problem.delassus.size]) {
   Load();
 }
 
@@ -45,151 +51,229 @@ void FrictionStep::Load() {
   const DelassusMatrix& W = problem_.delassus;
   for (int i = 0; i < lanes_.size(); ++i) {
     const int k = lanes_.contact(i);
-    double tt[2][2];
-    OwnTangents(W, friction_, k, tt);
-    const bool moves = tt[0][0] + tt[1][1] > kImmobile * W.diagonal[k];
-    mu_[i] = moves ? friction_.mu[k] : 0;
-    const auto [a, b, c] = Lifted(tt);
-    stiffness_[3 * i] = a;
-    stiffness_[3 * i + 1] = b;
-    stiffness_[3 * i + 2] = c;
-    coupling_[i] = std::max(a, c);
+    const TangentBlock own = OwnBlock(W, friction_, k);
+    Grip& grip = grip_[i];
+    grip.mu = CanSlip(own, W.diagonal[k]) ? friction_.mu[k] : 0;
+    grip.A = Lifted(own.tt);
+    grip.inverse = Inverse(grip.A);
+    grip.weight = std::max(grip.A.a, grip.A.c);
   }
 }
 
-double FrictionStep::Try(const double* F, const double* F_new, double* c_new) {
-  Begin();
-  const double enough = kNoChange * kFrictionTolerance * problem_.tolerance * scale_.speed;
-  for (int i = 0; i < kSweeps; ++i) {
-    if (Sweep(c_new) <= enough) break;
+double FrictionStep::Try(const double* F, const double* F_new, const double* rate, double* y_new,
+                         double* c_new) {
+  Begin(F);
+  for (int i = 0; i < kSweeps && Sweep() > kAnotherSweep * tolerance_; ++i) continue;
+  Finish(rate, y_new, c_new);
+  double largest = 0;
+  stop_ = 0;
+  for (int i = 0; i < lanes_.size(); ++i) {
+    if (grip_[i].mu <= 0 || dP[i] <= 0) continue;
+    const double error = Error(i, F, F_new);
+    if (error <= largest) continue;
+    largest = error;
+    stop_ = grip_[i].theta;
   }
-  if (problem_.delassus.by_body) Finish(c_new);
-  return Error(F, F_new);
+  return largest / tolerance_;
 }
 
-// Friction at the ratios of before, and the slip that it leaves.
-void FrictionStep::Begin() {
+// Calls visit(grip, block) for the lanes that contact k couples with, in compressed rows.
+template <typename Visit>
+void FrictionStep::ForLanes(int k, Visit visit) {
+  const DelassusMatrix& W = problem_.delassus;
+  const int* column = W.column;
+  const TangentBlock* block = friction_.block;
+  const Lanes& lanes = lanes_;
+  Grip* grip = grip_;
+  for (int a = W.row_start[k], end = W.row_start[k + 1]; a < end; ++a) {
+    const int j = lanes.lane(column[a]);
+    if (j >= 0) visit(grip[j], block[a]);
+  }
+}
+
+// The step at the ratios of before.
+void FrictionStep::Begin(const double* F) {
   const int n = lanes_.size();
   if (const BodyRows* rows = problem_.delassus.by_body) {
-    std::fill_n(rows->work, 2 * rows->dofs(), 0.0);
+    std::fill_n(rows->work, rows->dofs(), 0.0);
   }
-  std::copy_n(lanes_.slip, 2 * n, slip_);
+  for (int i = 0; i < n; ++i) Put(grip_[i].slip, At(lanes_.slip + 2 * i));
   for (int i = 0; i < n; ++i) {
-    const Pair p = dP[i] * At(lanes_.ratio + 2 * i);
-    Put(p_ + 2 * i, p);
-    if (dP[i] > 0) Spread(i, p);
+    Grip& grip = grip_[i];
+    const Pair ratio = At(lanes_.ratio + 2 * i), p = std::max(0.0, dP[i]) * ratio;
+    grip.stuck = F[i] > 0 && Dot(ratio, ratio) < kWithin * grip.mu * grip.mu;
+    grip.theta = 0;
+    for (double* one : {grip.p, grip.lead, grip.ratio}) Put(one, p);
+    if (dP[i] > 0) Spread(i);
+  }
+  if (const BodyRows* rows = problem_.delassus.by_body) {
+    std::copy_n(rows->work, rows->dofs(), rows->work + rows->dofs());
+  }
+  for (int i = 0; i < n; ++i) {
+    FindSlip(i);
+    Put(grip_[i].first_rate, At(grip_[i].slip) - At(lanes_.slip + 2 * i));
+    Put(grip_[i].rate, At(grip_[i].first_rate));
   }
 }
 
-// slip += W_tn dP + W_tt p for the impulses of lane i.
-void FrictionStep::Spread(int i, Pair p) {
+// slip += W_tn ΔP + W_tt p for the impulses of lane i; by bodies M⁻¹ Jᵀ of them is summed up.
+void FrictionStep::Spread(int i) {
   const DelassusMatrix& W = problem_.delassus;
   const int k = lanes_.contact(i);
+  const double* p = grip_[i].p;
   if (W.by_body) {
     AddAnswer(*W.by_body, k, dP[i], W.by_body->work);
     for (int a = 0; a < 2; ++a) AddAnswer(tangents_, 2 * k + a, p[a], W.by_body->work);
     return;
   }
-  for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
-    const int j = lanes_.lane(W.column[a]);
-    if (j < 0) continue;
-    const TangentBlock& block = friction_.block[a];
-    double* slip = slip_ + 2 * j;
-    Put(slip, At(slip) + dP[i] * At(block.nt) + p[0] * At(block.tt[0]) + p[1] * At(block.tt[1]));
+  const double impulse = dP[i], p0 = p[0], p1 = p[1];
+  ForLanes(k, [&](Grip& grip, const TangentBlock& block) {
+    Add(grip.slip, impulse * At(block.nt) + p0 * At(block.tt[0]) + p1 * At(block.tt[1]));
+  });
+}
+
+// By bodies: the slip at the end of the step, and what goes on at its end.
+void FrictionStep::FindSlip(int i) {
+  const BodyRows* rows = problem_.delassus.by_body;
+  if (!rows) return;
+  const int k = lanes_.contact(i);
+  const double *of_slip = rows->work, *of_rate = rows->work + rows->dofs();
+  for (int a = 0; a < 2; ++a) {
+    grip_[i].slip[a] = lanes_.slip[2 * i + a] + RowTimes(tangents_, 2 * k + a, of_slip);
+    grip_[i].rate[a] = RowTimes(tangents_, 2 * k + a, of_rate);
   }
 }
 
 // Gauss-Seidel; returns the largest change of a slip by the friction of its own contact.
-double FrictionStep::Sweep(double* c_new) {
-  const double enough = kNoChange * kFrictionTolerance * problem_.tolerance * scale_.speed;
+double FrictionStep::Sweep() {
   double largest = 0;
   for (int i = 0; i < lanes_.size(); ++i) {
-    const double R = mu_[i] * dP[i];
+    Grip& grip = grip_[i];
+    const double R = grip.mu * dP[i];
     if (R <= 0) continue;
-    const Tangents A{stiffness_[3 * i], stiffness_[3 * i + 1], stiffness_[3 * i + 2]};
-    const Pair p = At(p_ + 2 * i);
-    const Pair b = SlipOf(i) - Pair{A.a * p[0] + A.b * p[1], A.b * p[0] + A.c * p[1]};
-    const Pair change = FrictionOfStep(A, At(lanes_.slip + 2 * i), b, R) - p;
-    const double size = Length(change) * std::max(A.a, A.c);
-    if (size <= 1e-3 * enough) continue;
-    Change(i, change, c_new);
+    FindSlip(i);
+    const Tangents& A = grip.A;
+    const Pair before = dP[i] * At(lanes_.ratio + 2 * i);
+    const ContactStep step{A,
+                           grip.inverse,
+                           R,
+                           At(lanes_.slip + 2 * i),
+                           At(grip.slip) - Times(A, At(grip.p)),
+                           At(grip.first_rate) - Times(A, before),
+                           At(grip.rate) - Times(A, At(grip.ratio)),
+                           before,
+                           grip.stuck};
+    const StepFriction friction = FrictionOfStep(step);
+    grip.theta = friction.theta;
+    Put(grip.expected, step.b + Times(A, friction.p));
+    const Pair change = Max(Max(Abs(friction.p - At(grip.p)), Abs(friction.lead - At(grip.lead))),
+                            Abs(friction.ratio - At(grip.ratio)));
+    const double size = grip.weight * Larger(change);
+    if (size <= enough_) continue;
+    Change(i, friction);
     largest = std::max(largest, size);
   }
   return largest;
 }
 
-void FrictionStep::Change(int i, Pair by, double* c_new) {
+void FrictionStep::Change(int i, const StepFriction& friction) {
   const DelassusMatrix& W = problem_.delassus;
-  Put(p_ + 2 * i, At(p_ + 2 * i) + by);
+  Grip& grip = grip_[i];
+  const Pair by = friction.p - At(grip.p), ratio_by = friction.ratio - At(grip.ratio);
+  Put(grip.p, friction.p);
+  Put(grip.lead, friction.lead);
+  Put(grip.ratio, friction.ratio);
   const int k = lanes_.contact(i);
-  if (W.by_body) {
-    const BodyRows& rows = *W.by_body;
-    for (double* z : {rows.work, rows.work + rows.dofs()}) {
-      for (int a = 0; a < 2; ++a) AddAnswer(tangents_, 2 * k + a, by[a], z);
+  if (const BodyRows* rows = W.by_body) {
+    for (int a = 0; a < 2; ++a) {
+      AddAnswer(tangents_, 2 * k + a, by[a], rows->work);
+      AddAnswer(tangents_, 2 * k + a, ratio_by[a], rows->work + rows->dofs());
     }
     return;
   }
-  for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
-    const int j = lanes_.lane(W.column[a]);
-    if (j < 0) continue;
-    const TangentBlock& block = friction_.block[a];
-    double* slip = slip_ + 2 * j;
-    Put(slip, At(slip) + by[0] * At(block.tt[0]) + by[1] * At(block.tt[1]));
-    c_new[j] -= block.tn[0] * by[0] + block.tn[1] * by[1];
-  }
+  ForLanes(k, [&](Grip& other, const TangentBlock& block) {
+    const Pair t1 = At(block.tt[0]), t2 = At(block.tt[1]);
+    Add(other.slip, by[0] * t1 + by[1] * t2);
+    Add(other.rate, ratio_by[0] * t1 + ratio_by[1] * t2);
+  });
 }
 
-// The slip of a lane at the end of the step; by bodies it is kept as M⁻¹ Jᵀ of all impulses.
-Pair FrictionStep::SlipOf(int i) const {
-  const BodyRows* rows = problem_.delassus.by_body;
-  if (!rows) return At(slip_ + 2 * i);
-  const int k = lanes_.contact(i);
-  return At(lanes_.slip + 2 * i) +
-         Pair{RowTimes(tangents_, 2 * k, rows->work), RowTimes(tangents_, 2 * k + 1, rows->work)};
-}
-
-// By bodies: what the sweeps have made of slips and closing speeds.
-void FrictionStep::Finish(double* c_new) {
-  const BodyRows& rows = *problem_.delassus.by_body;
+// What the friction does that the ratios of before would not have done.
+void FrictionStep::Finish(const double* rate, double* y_new, double* c_new) {
+  const DelassusMatrix& W = problem_.delassus;
+  const BodyRows* rows = W.by_body;
+  for (int i = 0; rows && i < lanes_.size(); ++i) FindSlip(i);
+  double *of_c = rows ? rows->work : nullptr, *of_y = rows ? rows->work + rows->dofs() : nullptr;
+  if (rows) std::fill_n(rows->work, 2 * rows->dofs(), 0.0);
   for (int i = 0; i < lanes_.size(); ++i) {
-    Put(slip_ + 2 * i, SlipOf(i));
-    c_new[i] -= RowTimes(rows, lanes_.contact(i), rows.work + rows.dofs());
+    if (grip_[i].mu * dP[i] <= 0) continue;
+    const Pair before = dP[i] * At(lanes_.ratio + 2 * i), by = At(grip_[i].p) - before;
+    const Pair lead_by = lead[i] / dP[i] * (At(grip_[i].lead) - before);
+    if (by[0] == 0 && by[1] == 0 && lead_by[0] == 0 && lead_by[1] == 0) continue;
+    const int k = lanes_.contact(i);
+    for (int a = 0; rows && a < 2; ++a) {
+      AddAnswer(tangents_, 2 * k + a, by[a], of_c);
+      AddAnswer(tangents_, 2 * k + a, lead_by[a], of_y);
+    }
+    for (int a = rows ? 0 : W.row_start[k]; !rows && a < W.row_start[k + 1]; ++a) {
+      const int j = lanes_.lane(W.column[a]);
+      if (j < 0) continue;
+      const Pair tn = At(friction_.block[a].tn);
+      c_new[j] -= Dot(tn, by);
+      y_new[j] -= rate[j] * Dot(tn, lead_by);
+    }
+  }
+  for (int i = 0; rows && i < lanes_.size(); ++i) {
+    c_new[i] -= RowTimes(*rows, lanes_.contact(i), of_c);
+    y_new[i] -= rate[i] * RowTimes(*rows, lanes_.contact(i), of_y);
   }
 }
 
-// What the changes of ratios over the step do to velocities: of second order, or of first if the
-// force changes as well.
-double FrictionStep::Error(const double* F, const double* F_new) const {
-  constexpr double kFactor = 0.15;
-  double largest = 0;
-  for (int i = 0; i < lanes_.size(); ++i) {
-    // a contact that begins to press has had no ratio before
-    if (mu_[i] <= 0 || dP[i] <= 0 || F[i] <= 0) continue;
-    const Pair ratio = 1 / dP[i] * At(p_ + 2 * i);
-    const double change = Length(ratio - At(lanes_.ratio + 2 * i));
-    const double of_force = std::abs(F_new[i] - F[i]) / (F_new[i] + F[i]);
-    largest = std::max(largest, change * (change / mu_[i] + of_force) * dP[i] * coupling_[i]);
+// What the step may have wrong of velocities, on account of the friction of a lane.
+double FrictionStep::Error(int i, const double* F, const double* F_new) const {
+  // parts of what they could do at most: a slip that turns; a contact that stops or begins to slide
+  // halfway; what sweeps leave of the slip
+  constexpr double kTurns = 0.15, kStops = 0.2, kLeft = 0.1;
+  const Grip& grip = grip_[i];
+  const Pair ratio = At(grip.ratio), before = dP[i] * At(lanes_.ratio + 2 * i), v = At(grip.slip);
+  const double R = grip.mu * dP[i];
+  const bool sticks = Dot(ratio, ratio) < kWithin * R * R;
+  const double left = kLeft * Length(v - At(grip.expected));
+  // a contact that begins to press has had no ratio before
+  if (F[i] <= 0) return left;
+  const double change = std::max(Length(ratio - before), Length(At(grip.p) - before));
+  if (grip.theta > 0 && grip.theta < 1) {
+    const double halfway = 4 * grip.theta * (1 - grip.theta);
+    return std::max(left, kStops * halfway * grip.weight * change);
   }
-  return kFactor * largest / (kFrictionTolerance * problem_.tolerance * scale_.speed);
+  if (sticks || grip.stuck) return left;
+  const double of_force = std::abs(F_new[i] - F[i]) / (F_new[i] + F[i]);
+  return std::max(left, kTurns * (change / R + of_force) * grip.weight * change);
 }
 
-double FrictionStep::Growth(double error) {
-  return std::clamp(0.85 * std::pow(error + 1e-10, -0.4), 0.1, 5.0);
+double FrictionStep::Growth(double error) const {
+  const double growth = std::clamp(0.85 * std::pow(error + 1e-10, -0.4), 0.1, 5.0);
+  return error > 1 ? std::max(growth, stop_) : growth;
 }
 
-bool FrictionStep::Accept() {
+bool FrictionStep::Accept(double t) {
   bool changed = false;
   for (int i = 0; i < lanes_.size(); ++i) {
-    const Pair p = At(p_ + 2 * i), before = At(lanes_.ratio + 2 * i);
-    const Pair ratio = dP[i] > 0 ? 1 / dP[i] * p : Pair{};
-    Put(lanes_.ratio + 2 * i, ratio);
-    changed = changed || ratio[0] != before[0] || ratio[1] != before[1];
-    double *impulse = lanes_.friction_impulse + 2 * i, *moment = lanes_.friction_moment + 2 * i;
-    Put(impulse, At(impulse) + p);
-    Put(moment, At(moment) + dM[i] * ratio);
+    const Grip& grip = grip_[i];
+    Put(lanes_.slip + 2 * i, At(grip.slip));
+    const Pair before = At(lanes_.ratio + 2 * i);
+    Pair ratio{};
+    if (dP[i] > 0) {
+      const Pair p = At(grip.p);
+      Add(lanes_.friction_impulse + 2 * i, p);
+      Add(lanes_.friction_moment + 2 * i, t * p - lead[i] / dP[i] * At(grip.lead));
+      ratio = 1 / dP[i] * At(grip.ratio);
+      changed = changed || p[0] != dP[i] * before[0] || p[1] != dP[i] * before[1];
+    }
+    if (ratio[0] == before[0] && ratio[1] == before[1]) continue;
+    lanes_.SetRatio(i, ratio);
+    changed = true;
   }
-  std::swap(lanes_.slip, slip_);
-  if (changed) lanes_.ApplyRatios();
   return changed;
 }
 

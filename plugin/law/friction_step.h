@@ -4,10 +4,11 @@
 // Within a step the friction of a contact keeps its ratio r to the normal force, F_t = r F with
 // |r| ≤ μ, so that normal forces are those of the matrix W_nn + W_nt r: a function of the
 // compression alone, as without friction. The ratios of the step before give the normal impulses ΔP
-// of a step, these bound the friction of every contact (friction_on_disc.h), and a sweep over the
-// contacts gives the ratios of this one. That is exact for contacts that stick at a constant ratio
-// or slide straight on, and of second order where a slip turns. What a sweep leaves of the slip of
-// contacts that stick is taken up by the next step.
+// of a step, these bound the friction of every contact (friction_on_disc.h), and sweeps over the
+// contacts give it; what it changes is taken into the step. So a step is exact for contacts that
+// slide straight on or stop, and of second order where a slip turns and where ratios change. It
+// need not end where a contact stops or begins to slide, unless that does much. What sweeps leave
+// of the slip of contacts that stick is taken up by the next step.
 
 #ifndef MUJOCO_IMPACT_LAW_FRICTION_STEP_H_
 #define MUJOCO_IMPACT_LAW_FRICTION_STEP_H_
@@ -23,47 +24,64 @@ class FrictionStep {
  public:
   FrictionStep(const ImpactProblem& problem, const ImpactScale& scale, Lanes& lanes);
 
-  static constexpr int kArrays = 11;  // numbers a lane
+  static constexpr int kArrays = 29;   // numbers a lane
+  static constexpr int kProducts = 4;  // what a step costs, in products by W
 
   // To be called whenever the lanes are other ones.
   void Load();
 
-  // By lane, to be filled before Try and Accept: the impulses of the normal forces in the step, and
-  // their moments about t = 0.
-  double *dP, *dM;
+  // The coefficient of a lane; 0 where bodies cannot slip.
+  double mu(int i) const { return grip_[i].mu; }
 
-  // Solves the friction of a step, and takes what other ratios than before do to the closing speeds
-  // into c_new. Returns the error, in units of the tolerance. F and F_new are the normal forces at
-  // both ends.
-  double Try(const double* F, const double* F_new, double* c_new);
+  // By lane, to be filled before Try: what the normal forces of the step give, ∫ F ds and
+  // ∫ (h − s) F ds.
+  double *dP, *lead;
 
-  // Accepts the step tried. Returns whether any ratio has changed.
-  bool Accept();
+  // Solves the friction of a step, and takes what other ratios than before do into the compressions
+  // and closing speeds at its end; `rate` is dy/dt over c. Returns the error, in units of the
+  // tolerance. F and F_new are the normal forces at both ends.
+  double Try(const double* F, const double* F_new, const double* rate, double* y_new,
+             double* c_new);
 
-  // Factor for the next step after one with this error.
-  static double Growth(double error);
+  // Factor for the next step after one with this error: to where a contact stops, if that is it.
+  double Growth(double error) const;
+
+  // Accepts the step tried, which ends at t. Returns whether it has changed the compressions or any
+  // ratio.
+  bool Accept(double t);
 
  private:
-  void Begin();
-  void Spread(int i, Pair p);
-  double Sweep(double* c_new);
-  void Change(int i, Pair by, double* c_new);
-  Pair SlipOf(int i) const;
-  void Finish(double* c_new);
-  double Error(const double* F, const double* F_new) const;
+  // Of a lane. Ratios are in units of 1/ΔP, as in ContactStep.
+  struct Grip {
+    double mu;  // 0 where the bodies cannot slip
+    Tangents A, inverse;
+    double weight;  // the largest coupling of its friction with anything [1/kg]
+    bool stuck;
+    double theta;
+    double p[2], lead[2], ratio[2];  // of the step tried
+    double slip[2], expected[2];     // at its end, and as its own sweep has left it
+    double rate[2], first_rate[2];   // change of slip in a step
+  };
+  static_assert(sizeof(Grip) <= (kArrays - 2) * sizeof(double));
+
+  template <typename Visit>
+  void ForLanes(int k, Visit visit);
+  void Begin(const double* F);
+  void Spread(int i);
+  double Sweep();
+  void Change(int i, const StepFriction& friction);
+  void FindSlip(int i);
+  void Finish(const double* rate, double* y_new, double* c_new);
+  double Error(int i, const double* F, const double* F_new) const;
 
   const ImpactProblem& problem_;
   const CoulombFriction& friction_;
-  const ImpactScale& scale_;
   Lanes& lanes_;
   const BodyRows tangents_;  // if W is by bodies
-
-  // by lane
-  double* mu_;         // 0 where the bodies cannot slip
-  double* stiffness_;  // (3) W_tt of the contact
-  double* coupling_;   // the largest coupling of its friction with anything [1/kg]
-  double* p_;          // (2) friction of the step tried [N s]
-  double* slip_;       // (2) slip at its end [m/s]
+  const double enough_;      // a slip that is none [m/s]
+  const double tolerance_;   // [m/s]
+  double stop_ = 0;  // the part of the step after which the contact with the largest error stops
+  Grip* grip_;       // by lane
 };
 
 }  // namespace mujoco_impact::law

@@ -10,6 +10,7 @@
 #include "law/lanes.h"
 #include "law/passivity.h"
 #include "law/short_end.h"
+#include "law/single_friction.h"
 #include "law/single_impact.h"
 #include "law/viscous.h"
 
@@ -62,9 +63,49 @@ ImpactReport SolveWithoutFriction(const ImpactProblem& problem, bool passive,
   return report;
 }
 
+ImpactReport SolveIsolatedFriction(const ImpactProblem& problem, ImpactSolution* solution) {
+  const DelassusMatrix& W = problem.delassus;
+  const CoulombFriction& friction = *problem.friction;
+  const double u = problem.closing_speed[0];
+  solution->impulse[0] = solution->moment[0] = solution->onset[0] = 0;
+  std::fill_n(solution->friction, 2, 0.0);
+  std::fill_n(solution->friction_moment, 2, 0.0);
+  if (solution->peak) solution->peak[0] = 0;
+  ImpactReport report{0, true};
+  if (u > 0 && problem.gap[0] <= u * problem.horizon) {
+    const TangentBlock own = OwnBlock(W, friction, 0);
+    const double mu = CanSlip(own, W.diagonal[0]) ? friction.mu[0] : 0;
+    const SingleFriction single = SolveSingleFriction({W.diagonal[0],
+                                                       own,
+                                                       u,
+                                                       {friction.slip[0], friction.slip[1]},
+                                                       mu,
+                                                       problem.stiffness[0],
+                                                       problem.restitution},
+                                                      problem.tolerance);
+    const double onset = problem.gap[0] / u;
+    solution->impulse[0] = single.impulse;
+    solution->moment[0] = single.moment + onset * single.impulse;
+    solution->onset[0] = onset;
+    if (solution->peak) solution->peak[0] = single.peak;
+    for (int i = 0; i < 2; ++i) {
+      solution->friction[i] = single.friction[i];
+      solution->friction_moment[i] = single.friction_moment[i] + onset * single.friction[i];
+    }
+    report.steps = single.steps;
+  }
+  SpeedsAfter(problem, *solution);
+  return report;
+}
+
 ImpactReport SolveWithFriction(const ImpactProblem& problem, bool passive, ImpactSolution* solution,
                                const Workspace& workspace) {
   if (!HasFriction(problem)) return SolveWithoutFriction(problem, passive, solution, workspace);
+  if (problem.delassus.size == 1 && !IsViscous(problem)) {
+    const ImpactReport report = SolveIsolatedFriction(problem, solution);
+    if (passive) RemoveGain(problem, *solution, workspace.numbers);
+    return report;
+  }
   ImpactReport report = IsViscous(problem) ? IntegrateViscous(problem, solution, workspace)
                                            : IntegrateCompression(problem, solution, workspace);
   if (!report.converged) report.work += EndShort(problem, report.time, solution, workspace);

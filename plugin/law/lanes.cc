@@ -16,8 +16,7 @@ Lanes::Lanes(const ImpactProblem& problem, const ImpactSolution& solution, const
       c_of_contact_(y_of_contact_ + problem.delassus.size),
       window_(problem, solution, scale, {c_of_contact_ + problem.delassus.size, workspace.indices}),
       lane_(workspace.indices + Window::kIndexArrays * problem.delassus.size),
-      ratio_of_contact_(c_of_contact_ + (1 + Window::kArrays) * problem.delassus.size),
-      value_(problem.delassus.value) {
+      ratio_of_contact_(c_of_contact_ + (1 + Window::kArrays) * problem.delassus.size) {
   double** const own[kArrays] = {&y,        &c,      &impulse, &moment, &stiffness,
                                  &matters_, &lower_, &middle_, &upper_};
   for (double** array : own) *array = Take();
@@ -101,7 +100,7 @@ void Lanes::LoadFriction() {
             solution_.slip);
   for (int i = 0; i < size(); ++i) {
     const int k = contact(i);
-    Put(ratio + 2 * i, At(ratio_of_contact_ + 2 * k));
+    SetRatio(i, At(ratio_of_contact_ + 2 * k));
     Put(slip + 2 * i, At(solution_.slip + 2 * k));
     Put(friction_impulse + 2 * i, At(solution_.friction + 2 * k));
     Put(friction_moment + 2 * i, At(solution_.friction_moment + 2 * k));
@@ -110,7 +109,6 @@ void Lanes::LoadFriction() {
     for (double* array : {ratio, slip, friction_impulse, friction_moment})
       Put(array + 2 * i, Pair{});
   }
-  ApplyRatios();
 }
 
 void Lanes::Load() {
@@ -136,23 +134,39 @@ void Lanes::Load() {
   if (problem_.friction) LoadFriction();
 }
 
-void Lanes::ApplyRatios() {
+// Column i of the product by W is row i, transposed: friction's share of it is with the tangents of
+// the contact of lane i.
+void Lanes::SetRatio(int i, Pair r) {
+  Put(ratio + 2 * i, r);
   const DelassusMatrix& W = problem_.delassus;
   // by bodies the product looks at the ratios itself
   if (W.by_body) return;
   const CoulombFriction& friction = *problem_.friction;
+  const int k = contact(i);
+  for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
+    const Pair of_friction = At(friction.block[a].tn) * r;
+    friction.work[a] = W.value[a] + (of_friction[0] + of_friction[1]);
+    const int j = lane_[W.column[a]];
+    if (!tridiagonal_ || j < 0) continue;
+    (j < i ? upper_ : j > i ? lower_ : middle_)[j] = friction.work[a];
+  }
+}
+
+// By columns, since most contacts of a large island do not press.
+void Lanes::MultiplyColumns(const double* x, double* product) const {
+  const DelassusMatrix& W = problem_.delassus;
+  const double* value = problem_.friction->work;
+  const int *column = W.column, *lane = lane_;
+  std::fill_n(product, padded(), 0.0);
   for (int i = 0; i < size(); ++i) {
+    const double force = x[i];
+    if (force == 0) continue;
     const int k = contact(i);
-    for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
-      const int j = lane_[W.column[a]];
-      const Pair of_friction = At(friction.block[a].nt) * At(ratio + 2 * j);
-      const double value = W.value[a] + (of_friction[0] + of_friction[1]);
-      friction.work[a] = value;
-      if (!tridiagonal_ || j < 0) continue;
-      (j < i ? lower_ : j > i ? upper_ : middle_)[i] = value;
+    for (int a = W.row_start[k], end = W.row_start[k + 1]; a < end; ++a) {
+      // what is in front of an array takes what is outside the window
+      product[lane[column[a]]] += value[a] * force;
     }
   }
-  value_ = friction.work;
 }
 
 void Lanes::LoadMatrix() {
@@ -176,12 +190,13 @@ void Lanes::LoadMatrix() {
 void Lanes::MultiplyRows(const double* x, double* product) const {
   const DelassusMatrix& W = problem_.delassus;
   if (W.by_body) return MultiplyByBody(*W.by_body, x, product);
+  if (problem_.friction) return MultiplyColumns(x, product);
   for (int i = 0; i < size(); ++i) {
     const int k = contact(i);
     double sum = 0;
     // the zero in front stands for the contacts outside
     for (int a = W.row_start[k]; a < W.row_start[k + 1]; ++a) {
-      sum += value_[a] * x[lane_[W.column[a]]];
+      sum += W.value[a] * x[lane_[W.column[a]]];
     }
     product[i] = sum;
   }

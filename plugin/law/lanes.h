@@ -41,9 +41,9 @@ class Lanes {
   // Lets contacts in and out after a step that ended at t; true if the lanes are other ones now.
   bool Move(double t);
 
-  // Makes the products those by W_nn + W_nt ratio: of normal forces with the friction that they
-  // bring with them.
-  void ApplyRatios();
+  // With friction: the ratio of that of lane i to its normal force. Products are those by W_nn +
+  // W_nt ratio, of normal forces with the friction that they bring with them.
+  void SetRatio(int i, Pair ratio);
 
   // product = W x; x has zeros in its padding.
   void Multiply(const double* x, double* product) const {
@@ -76,6 +76,7 @@ class Lanes {
   void LoadMatrix();
   void MultiplyRows(const double* x, double* product) const;
   void MultiplyByBody(const BodyRows& rows, const double* x, double* product) const;
+  void MultiplyColumns(const double* x, double* product) const;
   void LoadFriction();
   void StoreFriction() const;
   bool MustMove(double t) const;
@@ -89,7 +90,6 @@ class Lanes {
   double* ratio_of_contact_;
   double* matters_;                   // by lane: 1 if it keeps its neighbours in the window
   double *lower_, *middle_, *upper_;  // W, if lanes couple with their neighbours only
-  const double* value_;               // the entries of W, or what friction makes of them
   bool tridiagonal_ = false;
   double product_cost_ = 0;
 };

@@ -29,6 +29,9 @@ constexpr double kNode[kStages] = {0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1, 1}
 constexpr double kError[kStages] = {71.0 / 57600,      0,          -71.0 / 16695, 71.0 / 1920,
                                     -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
 
+// With friction a step is no shorter than this part of the contact time, whatever its error.
+constexpr double kShortest = 1e-3;
+
 class Integrator {
  public:
   Integrator(const ImpactProblem& problem, ImpactSolution* solution, const Workspace& workspace);
@@ -55,6 +58,7 @@ class Integrator {
   double *y_new_, *c_new_;
   double *force_[kStages], *pull_[kStages], *speed_[kStages];
   std::optional<FrictionStep> friction_;
+  double* rate_ = nullptr;  // with friction: dy/dt over c, by lane
 };
 
 Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution,
@@ -63,8 +67,8 @@ Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution,
       solution_(*solution),
       scale_(MeasureScale(problem)),
       damping_(scale_.speed > 0 ? ViscousDamping(problem.restitution) / scale_.speed : 0),
-      lanes_(problem, *solution, scale_, kArrays + (problem.friction ? FrictionStep::kArrays : 0),
-             workspace),
+      lanes_(problem, *solution, scale_,
+             kArrays + (problem.friction ? FrictionStep::kArrays + 1 : 0), workspace),
       y_new_(lanes_.Take()),
       c_new_(lanes_.Take()) {
   for (int i = 0; i < kStages; ++i) {
@@ -72,7 +76,11 @@ Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution,
     pull_[i] = lanes_.Take();
     speed_[i] = lanes_.Take();
   }
-  if (problem.friction) friction_.emplace(problem, scale_, lanes_);
+  if (problem.friction) {
+    friction_.emplace(problem, scale_, lanes_);
+    rate_ = lanes_.Take();
+    std::fill_n(rate_, problem.delassus.size, 1.0);
+  }
   EvaluateStage(lanes_.y, lanes_.c, 0);
 }
 
@@ -123,16 +131,16 @@ double Integrator::TryStep(double h) {
 // The friction of the step tried: changes c_new, and returns the error of it.
 double Integrator::TryFriction(double h) {
   for (int i = 0; i < lanes_.size(); ++i) {
-    double dP = 0, dM = 0;
+    double dP = 0, lead = 0;
     for (int j = 0; j < kStages - 1; ++j) {
       const double weighted = kCombine[kStages - 1][j] * h * force_[j][i];
       dP += weighted;
-      dM += weighted * (t_ + kNode[j] * h);
+      lead += weighted * (1 - kNode[j]) * h;
     }
     friction_->dP[i] = dP;
-    friction_->dM[i] = dM;
+    friction_->lead[i] = lead;
   }
-  return friction_->Try(force_[0], force_[kStages - 1], c_new_);
+  return friction_->Try(force_[0], force_[kStages - 1], rate_, y_new_, c_new_);
 }
 
 void Integrator::Accept(double h) {
@@ -158,7 +166,7 @@ void Integrator::Accept(double h) {
   std::swap(speed_[0], speed_[kStages - 1]);
   t_ += h;
   if (!friction_) return;
-  friction_->Accept();
+  friction_->Accept(t_);
   EvaluateStage(lanes_.y, lanes_.c, 0);
 }
 
@@ -179,7 +187,7 @@ ImpactReport Integrator::Run() {
       report.converged = false;
       break;
     }
-    work_ += StepCost(lanes_, kProducts);
+    work_ += StepCost(lanes_, kProducts + (friction_ ? FrictionStep::kProducts : 0));
     if (!AnyCompressed(lanes_)) {
       work_ += SearchCost(problem_, lanes_);
       if (!FlyToNextClosing(problem_, scale_, lanes_, &t_)) break;
@@ -191,9 +199,9 @@ ImpactReport Integrator::Run() {
     double of_friction = 0;
     if (friction_ && error <= 1) {
       of_friction = TryFriction(h);
-      growth = std::min(growth, FrictionStep::Growth(of_friction));
+      growth = std::min(growth, friction_->Growth(of_friction));
     }
-    if (error <= 1 && of_friction <= 1) {
+    if (error <= 1 && (of_friction <= 1 || h <= kShortest * scale_.time)) {
       Accept(h);
       MoveWindow();
       ++report.steps;
@@ -226,7 +234,7 @@ double ViscousDamping(double restitution) {
 }
 
 int ViscousWorkspace(int size, bool friction) {
-  return Lanes::Numbers(size, Integrator::kArrays + (friction ? FrictionStep::kArrays : 0),
+  return Lanes::Numbers(size, Integrator::kArrays + (friction ? FrictionStep::kArrays + 1 : 0),
                         friction);
 }
 

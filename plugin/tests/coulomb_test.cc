@@ -83,22 +83,39 @@ TEST(Coulomb, FrictionStaysInItsConeAndLosesEnergy) {
   }
 }
 
+// A step in which nothing else pushes: slip v, at the end b without friction.
+StepFriction Rub(const Tangents& A, Pair v, Pair b, double R) {
+  const Tangents inverse = Inverse(A);
+  return FrictionOfStep({A, inverse, R, v, b, b - v, b - v, Pair{}, false});
+}
+
 TEST(FrictionOnDisc, SlidingIsAgainstTheMeanSlipAndOnTheRim) {
   const Tangents A{3, 1, 2};
   const Pair v{2, -1}, b{1.5, -2};
-  const double R = 0.1;
-  const Pair p = FrictionOfStep(A, v, b, R);
-  EXPECT_NEAR(std::hypot(p[0], p[1]), R, 1e-9);
-  const double mean[] = {v[0] + b[0] + 3 * p[0] + p[1], v[1] + b[1] + p[0] + 2 * p[1]};
-  EXPECT_NEAR(mean[0] * p[1] - mean[1] * p[0], 0, 1e-8);
+  const Pair p = Rub(A, v, b, 0.1).p;
+  EXPECT_NEAR(std::hypot(p[0], p[1]), 0.1, 1e-15);
+  const Pair mean = 0.5 * (v + b + Times(A, p));
+  // Newton's method ends at 1e-6 of R, which turns p by as little
+  EXPECT_NEAR(mean[0] * p[1] - mean[1] * p[0], 0, 1e-6);
   EXPECT_LT(mean[0] * p[0] + mean[1] * p[1], 0);
 }
 
 TEST(FrictionOnDisc, StickingStopsTheSlip) {
   const Tangents A{3, 1, 2};
-  const Pair b{0.2, -0.1}, p = FrictionOfStep(A, Pair{5, 5}, b, 1);
-  EXPECT_NEAR(b[0] + 3 * p[0] + p[1], 0, 1e-15);
-  EXPECT_NEAR(b[1] + p[0] + 2 * p[1], 0, 1e-15);
+  const Pair b{0.2, -0.1}, p = Rub(A, Pair{0.3, 0.1}, b, 1).p;
+  const Pair after = b + Times(A, p);
+  EXPECT_NEAR(after[0], 0, 1e-15);
+  EXPECT_NEAR(after[1], 0, 1e-15);
+}
+
+TEST(FrictionOnDisc, ASlipOnALineStopsAndTurnsRoundWithinTheStep) {
+  // pushed back by 3, friction 1: from 1 at a rate of −4 to 0 at 1/4, then at a rate of −2 to −1.5
+  const Tangents A{1, 0, 1};
+  const StepFriction friction = Rub(A, Pair{1, 0}, Pair{-2, 0}, 1);
+  EXPECT_NEAR(friction.theta, 0.25, 1e-8);
+  EXPECT_NEAR(friction.p[0], -0.25 + 0.75, 1e-8);
+  EXPECT_NEAR(friction.ratio[0], 1, 1e-8);
+  EXPECT_NEAR(-2 + friction.p[0], -1.5, 1e-8);
 }
 
 }  // namespace

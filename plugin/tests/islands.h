@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "law/impact_law.h"
@@ -60,6 +61,7 @@ class FreeIsland {
     double tolerance = kDefaultTolerance;
     bool by_body = false;
     const double* rest_speed = nullptr;
+    bool friction = true;
   };
 
   Result Solve(const Options& options) {
@@ -93,7 +95,7 @@ class FreeIsland {
                           infinity,
                           infinity,
                           options.tolerance};
-    problem.friction = &friction;
+    if (options.friction) problem.friction = &friction;
     problem.rest_speed = options.rest_speed;
     std::vector<double> numbers(ImpactNumbers(n, true));
     std::vector<int> indices(ImpactIndices(n));
