@@ -22,7 +22,8 @@ namespace {
 
 constexpr double kRadius = 0.028575, kMass = 0.17;
 
-void TouchAll(const std::vector<law::FreeBody>& balls, double mu, std::vector<law::Touch>& touches) {
+void TouchAll(const std::vector<law::FreeBody>& balls, double mu,
+              std::vector<law::Touch>& touches) {
   const int n = static_cast<int>(balls.size());
   for (int a = 0; a < n; ++a) {
     for (int b = a + 1; b < n; ++b) {
@@ -45,8 +46,8 @@ law::FreeIsland Rack(double mu) {
       kMass, kRadius, {-2 * kRadius * std::sqrt(0.99), 2 * kRadius * 0.1, 0}, {8, 0, 0, 0, 0, 0})};
   for (int row = 0; row < 5; ++row) {
     for (int i = 0; i <= row; ++i) {
-      balls.push_back(law::Ball(kMass, kRadius,
-                                {row * std::sqrt(3) * kRadius, (2 * i - row) * kRadius, 0}));
+      balls.push_back(
+          law::Ball(kMass, kRadius, {row * std::sqrt(3) * kRadius, (2 * i - row) * kRadius, 0}));
     }
   }
   std::vector<law::Touch> touches;
