@@ -10,6 +10,14 @@
 #include <limits>
 #include <vector>
 
+#ifndef __cpp_lib_to_chars
+#include <locale.h>
+#include <stdlib.h>
+#ifdef __APPLE__
+#include <xlocale.h>
+#endif
+#endif
+
 #include "law/hertz_contact.h"
 #include "law/impact_law.h"
 #include "law/viscous.h"
@@ -100,7 +108,7 @@ class Reader {
 
   double Number(const NumberRule& rule) {
     if (!IsSet(rule.name)) return rule.fallback;
-    double value;
+    double value = 0.0;
     const bool good = ReadList(Text(rule.name), &value, 1) == 1 &&
                       (rule.low_allowed ? value >= rule.low : value > rule.low) &&
                       (rule.high_allowed ? value <= rule.high : value < rule.high);
@@ -196,6 +204,23 @@ void CheckCombination(Reader& reader, const Config& config, int owned) {
   }
 }
 
+// end of the number at the start of a text, null if there is none
+const char* ReadNumber(const char* text, const char* end, double* value) {
+#ifdef __cpp_lib_to_chars
+  const auto [next, status] = std::from_chars(text, end, *value);
+  return status == std::errc() ? next : nullptr;
+#else
+  // libc++ of before 2025 reads integers only; strtod takes signs and words that are none here
+  const size_t word = std::min<size_t>(std::strcspn(text, " \t\n"), end - text);
+  if (*text == '+' || std::strspn(text, "0123456789.eE+-") < word) return nullptr;
+  const locale_t plain = newlocale(LC_ALL_MASK, "C", nullptr);
+  char* next = nullptr;
+  *value = strtod_l(text, &next, plain);
+  freelocale(plain);
+  return next == text ? nullptr : next;
+#endif
+}
+
 }  // namespace
 
 const char* const kAttributes[] = {kLaw,      kRestitution, kDissipation, kYoung, kPoisson,
@@ -210,10 +235,11 @@ int ReadList(const char* text, double* values, int size) {
   while (true) {
     while (text < end && (*text == ' ' || *text == '\t' || *text == '\n')) ++text;
     if (text == end) return count;
-    double value;
-    const auto [next, status] = std::from_chars(text, end, value);
+    double value = 0.0;
+    const char* const next = ReadNumber(text, end, &value);
+    if (!next || !std::isfinite(value)) return -1;
     const bool whole_word = next == end || *next == ' ' || *next == '\t' || *next == '\n';
-    if (status != std::errc() || !whole_word || !std::isfinite(value)) return -1;
+    if (!whole_word) return -1;
     if (count < size) values[count] = value;
     ++count;
     text = next;
