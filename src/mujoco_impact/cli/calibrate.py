@@ -18,6 +18,11 @@ from mujoco_impact.cli.output import (
     progress,
     write_json,
 )
+from mujoco_impact.cli.report import (
+    HtmlOption,
+    check_report_options,
+    command_line,
+)
 from mujoco_impact.errors import ConfigError
 
 SeedOption = Annotated[
@@ -29,6 +34,7 @@ IMBALANCE = 0.1
 
 
 def calibrate(
+    context: typer.Context,
     data: Annotated[
         Path, typer.Argument(metavar="DATA.csv", help="Shots, one row each.")
     ],
@@ -49,14 +55,17 @@ def calibrate(
         float, typer.Option(help="W_0 of equation (6) [s].")
     ] = calibration.DEFAULT_W0,
     seed: SeedOption = 0,
+    html: HtmlOption = None,
     json_file: JsonOption = None,
 ) -> None:
     """Find the parameters of the law `calibrated` from measured shots."""
     with clean_errors():
         check_outputs(out, json_file)
+        check_report_options(html)
+        measured = calibration.read_shots(data)
         with progress(json_file) as report:
             found = calibration.calibrate(
-                data,
+                measured,
                 fixed=_numbers(fix),
                 folds=folds,
                 kappa=kappa,
@@ -67,6 +76,28 @@ def calibrate(
         written = found.save(out)
         write_json(json_file, {"parameters": found.settings, **found.to_dict()})
         _show(found, written, json_file)
+        if html is not None:
+            _write_report(context, found, measured, html)
+            console_of(json_file).out(f"report: {html}")
+
+
+def _write_report(
+    context: typer.Context,
+    found: calibration.Calibration,
+    measured: calibration.Shots,
+    html: Path,
+) -> None:
+    """Writes the report of a calibration."""
+    from mujoco_impact.report import write_page
+    from mujoco_impact.report.calibrations import calibration_page
+
+    tables = [parameter_table(found)]
+    if found.identifiability is not None:
+        tables.append(combination_table(found.identifiability))
+    command = command_line(context)
+    facts = {"shots": str(context.params["data"]), "seed": str(context.params["seed"])}
+    page = calibration_page(found, measured, tables, command=command, facts=facts)
+    write_page(page, html)
 
 
 def shots(

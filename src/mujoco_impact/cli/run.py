@@ -33,6 +33,14 @@ from mujoco_impact.cli.output import (
     progress,
     write_json,
 )
+from mujoco_impact.cli.report import (
+    HtmlOption,
+    VideoOption,
+    check_report_options,
+    command_line,
+    shown_settings,
+    video_of,
+)
 from mujoco_impact.cli.scenes import (
     geom_names,
     parsed_settings,
@@ -44,13 +52,16 @@ from mujoco_impact.impact_files import check_impact_file, write_impacts
 from mujoco_impact.impact_list import listed
 from mujoco_impact.remarks import NO_IMPACT
 from mujoco_impact.runner import run as run_model
+from mujoco_impact.specifications import compile_spec
 from mujoco_impact.starts import Keyframe
 from mujoco_impact.trajectory import Trajectory
+from mujoco_impact.video.motion import Panel
 
 IMPACTS_SHOWN = 12
 
 
 def run(
+    context: typer.Context,
     model: ModelArgument,
     duration: DurationOption = 3.0,
     keyframe: KeyframeOption = None,
@@ -75,6 +86,8 @@ def run(
             metavar="FILE", help="Table of all impacts to write, .csv or .parquet."
         ),
     ] = None,
+    html: HtmlOption = None,
+    video: VideoOption = False,
     json_file: JsonOption = None,
 ) -> None:
     """Simulate a model with our impacts and list them.
@@ -83,6 +96,7 @@ def run(
     """
     with clean_errors():
         check_outputs(out, json_file)
+        check_report_options(html, video=video)
         if impacts is not None:
             check_impact_file(impacts)
         options = parsed_settings(
@@ -106,9 +120,39 @@ def run(
         _show_run(spec.modelname, trajectory, elapsed, saved, ended, json_file)
         if impacts is not None:
             console_of(json_file).out(f"impacts: {impacts}")
+        if html is not None:
+            _write_report(context, spec, trajectory, start, options, html, video=video)
+            console_of(json_file).out(f"report: {html}")
         if ended is not None:
             raise ended
         exit_if_unsound(trajectory.remarks)
+
+
+def _write_report(
+    context: typer.Context,
+    spec: mujoco.MjSpec,
+    trajectory: Trajectory,
+    start: Keyframe,
+    options: dict[str, Any],
+    html: Path,
+    *,
+    video: bool,
+) -> None:
+    """Writes the report of a run."""
+    from mujoco_impact.report import write_page
+    from mujoco_impact.report.runs import run_page
+
+    panels = [Panel.of(trajectory, "")]
+    with video_of(spec, panels, start, wanted=video) as film:
+        page = run_page(
+            compile_spec(spec),
+            trajectory,
+            scene=spec.modelname,
+            command=command_line(context),
+            settings=shown_settings(options),
+            video=film,
+        )
+        write_page(page, html)
 
 
 def _simulated(

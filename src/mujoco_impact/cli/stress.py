@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import time
+from collections.abc import Callable
 from collections.abc import Set as AbstractSet
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
@@ -23,22 +24,45 @@ from mujoco_impact.cli.output import (
     progress,
     write_json,
 )
+from mujoco_impact.cli.report import (
+    HtmlOption,
+    check_report_options,
+    command_line,
+    shown_settings,
+)
 from mujoco_impact.cli.scenes import parsed_settings, read_scene, start_keyframe
 from mujoco_impact.errors import ConfigError
 from mujoco_impact.files import write_text
+from mujoco_impact.starts import start_told
 
 if TYPE_CHECKING:
+    from mujoco_impact.report import Page
     from mujoco_impact.stress import Family
+
+Report: TypeAlias = "Callable[[Callable[[str], Page]], None]"
+"""Writes the page that a function makes of the command line."""
 
 VIOLATION = 1
 """Exit code when a promise is broken within the documented limits, or a scene is not
 sound as it is."""
 
 
-_SCENE = frozenset({"duration", "keyframe", "settings", "speed", "out", "json_file"})
+_SCENE = frozenset(
+    {"duration", "keyframe", "settings", "speed", "out", "html", "json_file"}
+)
 _CASE = frozenset({"seed", "family", "shrink", "ours_only", "json_file"})
 _SWEEP = frozenset(
-    {"family", "cases", "first", "processes", "ours_only", "long", "out", "json_file"}
+    {
+        "family",
+        "cases",
+        "first",
+        "processes",
+        "ours_only",
+        "long",
+        "out",
+        "html",
+        "json_file",
+    }
 )
 
 
@@ -85,11 +109,13 @@ def stress(
     out: Annotated[
         Path | None, typer.Option(help="Report to write (markdown).")
     ] = None,
+    html: HtmlOption = None,
     json_file: JsonOption = None,
 ) -> None:
     """Look for where impacts break: in random scenes, or in a scene of your own."""
     with clean_errors():
         check_outputs(out, json_file)
+        check_report_options(html)
         if model is not None:
             _refuse_other_options(context, {"model"} | _SCENE, "a scene of your own")
             _stress_model(
@@ -99,6 +125,7 @@ def stress(
                 parsed_settings(settings, speed=speed),
                 out,
                 json_file,
+                report=_reported(context, html),
             )
         elif seed is not None:
             _refuse_other_options(context, _CASE, "--seed")
@@ -106,7 +133,20 @@ def stress(
         else:
             _refuse_other_options(context, _SWEEP, "random scenes without --seed")
             _sweep(_family(family), range(first, first + cases), processes, ours_only,
-                   long, out, json_file)  # fmt: skip
+                   long, out, json_file, report=_reported(context, html))  # fmt: skip
+
+
+def _reported(context: typer.Context, html: Path | None) -> Report | None:
+    """Returns what gets the command and writes a page; None if none is asked for."""
+    if html is None:
+        return None
+
+    def write(page_of: Callable[[str], Page]) -> None:
+        from mujoco_impact.report import write_page
+
+        write_page(page_of(command_line(context)), html)
+
+    return write
 
 
 def _refuse_other_options(
@@ -140,6 +180,8 @@ def _sweep(
     long: bool,
     out: Path | None,
     json_file: str | None,
+    *,
+    report: Report | None,
 ) -> None:
     """Judges random scenes and reports."""
     from mujoco_impact import stress as stressing
@@ -174,11 +216,15 @@ def _sweep(
     text = markdown.section(family, summary, runs, elapsed)
     if out is not None:
         # the other families keep what they have in the report
-        report = out.read_text(encoding="utf-8") if out.exists() else ""
-        write_text(out, markdown.update(report, family, text))
+        before = out.read_text(encoding="utf-8") if out.exists() else ""
+        write_text(out, markdown.update(before, family, text))
         console.out(f"report: {out}")
     else:
         console.out(text)
+    if report is not None:
+        from mujoco_impact.report.stresses import sweep_page
+
+        report(lambda command: sweep_page(summary, family, text, command=command))
     write_json(json_file, dataclasses.asdict(summary))
     broken = summary.violations(stressing.OURS)
     console.out(
@@ -229,6 +275,8 @@ def _stress_model(
     settings: dict[str, Any],
     out: Path | None,
     json_file: str | None,
+    *,
+    report: Report | None,
 ) -> None:
     """Runs a scene of the user in many ways and reports."""
     from mujoco_impact import stress as stressing
@@ -251,6 +299,20 @@ def _stress_model(
         console.out(f"report: {out}")
     else:
         console.out(text)
+    if report is not None:
+        from mujoco_impact.report.stresses import scene_page
+
+        names = [key.name for key in scene.keys]
+        facts = {
+            "start": start_told(names, start),
+            "duration": f"{duration:g} s each",
+            "settings": shown_settings(settings),
+        }
+        report(
+            lambda command: scene_page(
+                findings, scene=scene.modelname, command=command, facts=facts
+            )
+        )
     write_json(json_file, {"findings": [dataclasses.asdict(f) for f in findings]})
     # what other timesteps and speeds do is for the user to weigh
     if findings[0].problems:
