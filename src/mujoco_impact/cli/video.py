@@ -122,8 +122,9 @@ def _panels(
     compare: bool,
 ) -> list[Any]:
     """Returns the motions to show; MuJoCo's comes first, as in the pictures."""
+    from mujoco_impact.comparison import OURS
     from mujoco_impact.video.motion import Panel
-    from mujoco_impact.video.scenes import OURS, native_panel, reference_panel
+    from mujoco_impact.video.scenes import native_panel, reference_panel
 
     motion = run(spec, duration=duration, keyframe=start)
     ours = Panel.of(motion, OURS)

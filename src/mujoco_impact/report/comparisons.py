@@ -18,6 +18,9 @@ from mujoco_impact.trajectory import Array
 
 PANELS_ABREAST = 3
 
+AXES = ("x_range", "y_range")
+"""What the panels share."""
+
 
 def comparison_page(
     comparison: Comparison,
@@ -47,6 +50,7 @@ def comparison_page(
         title=f"{comparison.scene}: MuJoCo's contacts and mujoco-impact",
         command=command,
         facts={
+            "start": comparison.start,
             "duration": f"{comparison.duration:g} s",
             "timestep": f"{comparison.timestep * 1e3:g} ms",
             "integrator": comparison.integrator,
@@ -69,14 +73,14 @@ def _motions(comparison: Comparison) -> Any:
     what = "angle [deg]" if comparison.row else "speed [m/s]"
     plots: list[Any] = []
     for name, time, curves in _curves(comparison):
-        shared = {"x_range": plots[0].x_range, "y_range": plots[0].y_range}
-        plot = figures.new_figure(
-            name, "time [s]", what, height=260, **(shared if plots else {})
-        )
+        shared = {axis: getattr(plots[0], axis) for axis in AXES} if plots else {}
+        plot = figures.new_figure(name, "time [s]", what, height=260, **shared)
         figures.add_curves(plot, time, curves)
+        # one legend for all
         if plots:
-            # one legend for all
             plot.legend[0].visible = False
+        else:
+            figures.put_legend_inside(plot)
         plots.append(plot)
     return figures.grid(plots, columns=PANELS_ABREAST)
 
@@ -118,12 +122,11 @@ def _known(method: MethodResult) -> Any:
 def _energies(comparison: Comparison) -> Any:
     """Returns the change of energy of every method over the largest kinetic energy."""
     plot = figures.new_figure(
-        "Change of energy over the largest kinetic energy of ours",
+        "Change of energy over the largest energy of motion of ours",
         "time [s]",
         "change",
     )
-    ours = comparison.method(OURS).trajectory
-    scale = float(ours.energy[:, 1].max()) if ours is not None else 0.0
+    scale = comparison.energy_scale
     for method in comparison.methods:
         motion = method.trajectory
         if motion is None:
@@ -139,7 +142,7 @@ def _energies(comparison: Comparison) -> Any:
 def _costs(comparison: Comparison) -> Any:
     """Returns error against run time, or run times alone if no error is known."""
     timed = [one for one in comparison.methods if np.isfinite(one.run_time)]
-    known = [one for one in timed if _error(one) is not None]
+    known = [one for one in timed if one.velocity_error is not None]
     unit = "run time of a simulated second [ms]"
     if not known:
         names = [method.name for method in timed]
@@ -157,7 +160,7 @@ def _costs(comparison: Comparison) -> Any:
     for method in known:
         columns: dict[str, list[Any]] = {
             unit: [method.run_time * 1e3],
-            error: [_error(method)],
+            error: [method.velocity_error],
             "setting": [method.setting],
         }
         colour = _colour(comparison, method)
@@ -169,8 +172,3 @@ def _colour(comparison: Comparison, method: MethodResult) -> str:
     """Returns the colour of a method, the same in all plots."""
     number = [one.name for one in comparison.methods].index(method.name)
     return figures.COLOURS[number % len(figures.COLOURS)]
-
-
-def _error(method: MethodResult) -> float | None:
-    """Returns the error of the velocities that the first impact leaves, if known."""
-    return None if method.errors is None else method.errors.velocity

@@ -181,6 +181,14 @@ def _axis(axis: Any) -> str:
     return str(axis[0].axis_label)
 
 
+def put_legend_inside(plot: Any) -> None:
+    """Puts the legend into the plot, which then is as wide as its neighbours."""
+    legend = plot.legend[0]
+    plot.right.remove(legend)
+    plot.add_layout(legend, "center")
+    legend.location = "bottom_right"
+
+
 def _tidy_legend(plot: Any) -> None:
     """Puts the legend beside the plot; a click hides a curve."""
     legend = plot.legend[0]

@@ -7,6 +7,7 @@ from typing import Any
 
 import mujoco
 
+from mujoco_impact.comparison import AS_IS, OURS, Comparison
 from mujoco_impact.errors import ImpactError, ImpactWarning, SimulationError
 from mujoco_impact.pendulums import find_row
 from mujoco_impact.reference import swing
@@ -15,9 +16,19 @@ from mujoco_impact.scene import detach
 from mujoco_impact.trajectory import Trajectory
 from mujoco_impact.video.motion import Panel
 
-OURS = "mujoco-impact"
-
 MUJOCO = "MuJoCo's contacts"
+
+
+def panels_of(comparison: Comparison) -> list[Panel]:
+    """Returns MuJoCo's contacts as they are, ours, and the reference of a row."""
+    native, ours = (comparison.method(name).trajectory for name in (AS_IS, OURS))
+    panels = [] if native is None else [Panel.of(native, MUJOCO)]
+    if ours is not None:
+        panels.append(Panel.of(ours, OURS))
+        if comparison.reference is not None and comparison.row is not None:
+            row, reference = comparison.row, comparison.reference
+            panels.append(Panel.of_reference(reference, row, ours))
+    return panels
 
 
 def native_panel(spec: mujoco.MjSpec, duration: float, start: dict[str, Any]) -> Panel:
