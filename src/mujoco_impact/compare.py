@@ -53,6 +53,7 @@ from mujoco_impact.source import Source, read_spec
 from mujoco_impact.starts import Keyframe, keyframe_names, settled
 from mujoco_impact.timing import interleaved_times
 from mujoco_impact.trajectory import Array, Trajectory
+from mujoco_impact.verdict import ALONE
 
 __all__ = ["Comparison", "compare"]
 
@@ -405,6 +406,8 @@ def _with_run_times(
 
 def _nothing_told(model: mujoco.MjModel, motion: Trajectory) -> str:
     """Returns what is said of a scene without an impact."""
+    if any(remark.text == ALONE for remark in motion.remarks):
+        return ALONE
     names = [name or str(number) for number, name in enumerate(keyframe_names(model))]
     others = f" ({', '.join(names)})" if names else ""
     return (

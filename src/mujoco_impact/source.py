@@ -82,7 +82,7 @@ def _parse(xml: str) -> mujoco.MjSpec:
     try:
         return mujoco.MjSpec.from_string(xml.lstrip("\ufeff \t\r\n"))
     except (ValueError, mujoco.FatalError) as error:
-        msg = f"MuJoCo cannot read the XML text: {one_line(error)}"
+        msg = f"MuJoCo cannot read the XML text: {_reason(error)}"
         raise SceneError(msg) from error
 
 
@@ -102,8 +102,18 @@ def _read_file(path: Path) -> mujoco.MjSpec:
         # absolute: MuJoCo looks for assets from the working directory of later calls
         return mujoco.MjSpec.from_file(str(path.resolve()))
     except (ValueError, mujoco.FatalError) as error:
-        msg = f"MuJoCo cannot read {path}: {one_line(error)}"
+        msg = f"MuJoCo cannot read {path}: {_reason(error)}"
         raise SceneError(msg) from error
+
+
+def _reason(error: BaseException) -> str:
+    """Returns why MuJoCo cannot read a model."""
+    text = one_line(error)
+    if "XML parse error" not in text:
+        return text
+    line = text.rpartition("Line number=")[2]
+    where = f", see line {line}" if line.isdecimal() else ""
+    return f"it is no MJCF or URDF, for it is not well-formed XML{where}"
 
 
 def _is_file(path: Path) -> bool:

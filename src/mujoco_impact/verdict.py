@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from mujoco_impact.encounters import Flags, owned_numbers
+from mujoco_impact.encounters import Flags, meetings, owned_numbers
 from mujoco_impact.energy_balance import EnergyBalance
 from mujoco_impact.fast_bodies import FastBodies
 from mujoco_impact.impact import Impact
@@ -22,6 +22,12 @@ NOTHING = (
     "or start from another state (keyframe, qpos, qvel)"
 )
 """What is said of a run in which nothing touched."""
+
+ALONE = (
+    "nothing can collide: no geom that the plugin owns can meet another geom; see "
+    "their contype and conaffinity, and the <exclude> of the scene"
+)
+"""What is said of a run in which nothing could touch."""
 
 OWN_CONTACTS = (
     "the model has no mujoco-impact plugin: its contacts are MuJoCo's own; "
@@ -51,6 +57,7 @@ class RunWatch:
         """
         owned = owned_numbers(model)
         self._native = not plugin_instances(model)
+        self._can_meet = bool(meetings(model, owned).any())
         self._data = data
         self._owned = owned.size > 0
         self._fast = FastBodies(model, owned)
@@ -104,7 +111,7 @@ class RunWatch:
         else:
             found = [self._overlaps.remark(), grew]
             if self._owned and not impacts and not self._overlaps.touched:
-                found.append(Remark(NO_IMPACT, NOTHING))
+                found.append(Remark(NO_IMPACT, NOTHING if self._can_meet else ALONE))
         if self._native:
             found.append(Remark(NATIVE, OWN_CONTACTS))
         return tuple(remark for remark in found if remark is not None)

@@ -10,7 +10,19 @@ from typer.testing import CliRunner
 import mujoco_impact
 from mujoco_impact.cli import app
 from mujoco_impact.impact import Impact
-from mujoco_impact.stress import FAMILIES, OURS, SHAPES, stress_scene
+from mujoco_impact.stress import (
+    BALLS as BALLS_FAMILY,
+)
+from mujoco_impact.stress import (
+    FAMILIES,
+    OURS,
+    SHAPES,
+    Finding,
+    judge,
+    markdown,
+    stress_scene,
+    user_scene,
+)
 from mujoco_impact.stress.long_runs import long_runs
 from mujoco_impact.stress.outcomes import Outcome, differences
 from mujoco_impact.stress.promises import Invariant
@@ -252,3 +264,44 @@ def test_the_dissipative_cradle_comes_to_rest_and_stays(short_runs):
     assert ours.energy[-1] < 1e-3
     assert ours.speed < 1e-2
     assert ours.order == 0
+
+
+def test_sentences_that_several_runs_share_stand_once():
+    """And are numbers from then on."""
+    long = "energy grew by 10 % of the largest kinetic energy; cure: a smaller timestep"
+    finding = Finding("as it is", 1, 0, 0.0, 0.0, 0.0, 0, True, (long,))
+    other = dataclasses.replace(finding, variation="RK4")
+    text = markdown.findings_table([finding, other])
+    assert text.count(long) == 1
+    assert text.count("| (1) |") == 1
+    assert f"{long} (1) |" in text
+    assert "(1)" not in markdown.findings_table([finding])
+
+
+def test_what_was_judged_is_kept_on_control_c(monkeypatch):
+    """Of random scenes and of a scene of one's own; exit code 130."""
+    usual, seen = user_scene._find, []
+
+    def find(*arguments):
+        seen.append(arguments)
+        if len(seen) > 2:
+            raise KeyboardInterrupt
+        return usual(*arguments)
+
+    monkeypatch.setattr(user_scene, "_find", find)
+    result = run("row_3", "--duration", "0.01")
+    assert result.exit_code == 130
+    assert "timestep x 0.1" in result.output
+    assert "interrupted after 2 runs" in result.output
+
+    def sweep_and_stop(seeds, **options):
+        for seed in seeds:
+            if seed == 2:
+                raise KeyboardInterrupt
+            case = BALLS_FAMILY.case_of(seed)
+            options["progress"](judge(case, (OURS,), family=BALLS_FAMILY))
+
+    monkeypatch.setattr("mujoco_impact.stress.sweep", sweep_and_stop)
+    result = run("--cases", "9", "--ours-only")
+    assert result.exit_code == 130
+    assert "2 scenes" in result.output

@@ -191,27 +191,32 @@ def _sweep(
     console = console_of(json_file)
     methods = (stressing.OURS,) if ours_only else family.methods
     begin = time.perf_counter()
-    done = 0
+    judged: list[stressing.Outcome] = []
+    stopped = False
     with progress(json_file) as tell:
 
         def one_more(outcome: stressing.Outcome) -> None:
-            nonlocal done
-            done += 1
-            tell(f"scene {done} of {len(seeds)}")
+            judged.append(outcome)
+            tell(f"scene {len(judged)} of {len(seeds)}")
             for verdict in outcome.verdicts:
                 if verdict.is_violation and verdict.method == stressing.OURS:
                     console.out(f"{verdict.invariant}: {verdict.value:.3g} in")
                     console.out(f"  {outcome.case.describe()}")
 
-        outcomes = stressing.sweep(
-            seeds,
-            family=family,
-            methods=methods,
-            processes=processes,
-            progress=one_more,
-        )
+        try:
+            outcomes = stressing.sweep(
+                seeds,
+                family=family,
+                methods=methods,
+                processes=processes,
+                progress=one_more,
+            )
+        except KeyboardInterrupt:
+            if not judged:
+                raise
+            outcomes, stopped = judged, True
         elapsed = time.perf_counter() - begin
-        runs = long_runs(progress=tell) if long else []
+        runs = long_runs(progress=tell) if long and not stopped else []
     summary = stressing.summarise(outcomes, family)
     text = markdown.section(family, summary, runs, elapsed)
     if out is not None:
@@ -230,6 +235,8 @@ def _sweep(
     console.out(
         f"{summary.cases} scenes, {summary.impacts} impacts, {broken} violations"
     )
+    if stopped:
+        raise KeyboardInterrupt(f"interrupted after {len(judged)} scenes")
     if broken:
         raise typer.Exit(VIOLATION)
 
@@ -284,14 +291,18 @@ def _stress_model(
 
     scene = read_scene(model)
     start = start_keyframe(scene, keyframe)
+    stopped = None
     with progress(json_file) as tell:
-        findings = stressing.stress_scene(
-            scene,
-            duration=duration,
-            keyframe=start,
-            settings=settings,
-            progress=tell,
-        )
+        try:
+            findings = stressing.stress_scene(
+                scene,
+                duration=duration,
+                keyframe=start,
+                settings=settings,
+                progress=tell,
+            )
+        except stressing.StressInterrupted as interrupted:
+            findings, stopped = interrupted.findings, interrupted
     console = console_of(json_file)
     text = markdown.findings_table(findings)
     if out is not None:
@@ -314,6 +325,8 @@ def _stress_model(
             )
         )
     write_json(json_file, {"findings": [dataclasses.asdict(f) for f in findings]})
+    if stopped is not None:
+        raise stopped
     # what other timesteps and speeds do is for the user to weigh
     if findings[0].problems:
         raise typer.Exit(VIOLATION)

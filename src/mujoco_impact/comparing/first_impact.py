@@ -35,7 +35,7 @@ class FirstImpact:
         closing_speed: Speed at which the two geoms met [m/s].
         geoms: Ids of the two geoms.
         bodies: Ids of the moving bodies that take part, in the order in which they are
-            struck.
+            struck: they, or what hangs on the same free body, are in touch.
         meetings: All the impacts that belong to it.
         before: Number of the last sample before it.
         after: Number of the first sample after it.
@@ -69,13 +69,15 @@ def find_first_impact(
     before = step_of(motion.time, first.time)
     bodies = _bodies(model, first, geom_ids)
     after, belonging = before, [first]
+    trees = model.body_treeid
     while True:
         after = _end(model, motion, seen, before, bodies, first.closing_speed)
         belonging = [
             one
             for one in found
             if first.time <= one.time <= motion.time[after]
-            and set(_bodies(model, one, geom_ids)) & set(bodies)
+            and {trees[b] for b in _bodies(model, one, geom_ids)}
+            & {trees[b] for b in bodies}
         ]
         more = [b for one in belonging for b in _bodies(model, one, geom_ids)]
         grown = tuple(dict.fromkeys([*bodies, *more]))

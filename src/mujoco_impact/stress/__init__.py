@@ -19,7 +19,7 @@ from mujoco_impact.stress.methods import DEFAULTS, METHODS, OURS, TUNED
 from mujoco_impact.stress.shrink import shrunk
 from mujoco_impact.stress.summary import Summary, summarise
 from mujoco_impact.stress.sweep import Outcome, judge, sweep
-from mujoco_impact.stress.user_scene import Finding, stress_scene
+from mujoco_impact.stress.user_scene import Finding, StressInterrupted, stress_scene
 
 __all__ = [
     "BALLS",
@@ -37,6 +37,7 @@ __all__ = [
     "Family",
     "Finding",
     "Outcome",
+    "StressInterrupted",
     "Summary",
     "case_of",
     "judge",

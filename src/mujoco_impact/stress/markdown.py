@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 
 import mujoco
 
@@ -63,8 +64,18 @@ def section(
     return "\n".join(part for part in parts if part)
 
 
+LONG = 60
+"""Characters from which a sentence is said once for all runs."""
+
+
 def findings_table(findings: Iterable[Finding]) -> str:
-    """Returns the findings of a user's scene as a markdown table."""
+    """Returns the findings of a user's scene as a markdown table.
+
+    What is said of several runs in the same words is numbered, and stands once.
+    """
+    findings = list(findings)
+    numbers = _repeated(findings)
+    told: set[str] = set()
     rows = [
         (
             finding.variation,
@@ -73,7 +84,7 @@ def findings_table(findings: Iterable[Finding]) -> str:
             f"{finding.deepest:.1e}",
             f"{finding.farthest:.2g}",
             str(finding.native),
-            "; ".join((*(finding.problems or ("sound",)), *finding.differences)),
+            "; ".join(_once(text, numbers, told) for text in _verdict(finding)),
         )
         for finding in findings
     ]
@@ -87,6 +98,27 @@ def findings_table(findings: Iterable[Finding]) -> str:
         "verdict",
     )
     return table(heading, rows)
+
+
+def _once(text: str, numbers: Mapping[str, str], told: set[str]) -> str:
+    """Returns a sentence with its number, or the number alone if it was told."""
+    number = numbers.get(text)
+    if number is None or text in told:
+        return number or text
+    told.add(text)
+    return f"{text} {number}"
+
+
+def _verdict(finding: Finding) -> tuple[str, ...]:
+    """Returns what is said of one run."""
+    return (*(finding.problems or ("sound",)), *finding.differences)
+
+
+def _repeated(findings: Sequence[Finding]) -> dict[str, str]:
+    """Returns sentences that are said of several runs, and the numbers they get."""
+    said = Counter(text for finding in findings for text in _verdict(finding))
+    long = [text for text, count in said.items() if count > 1 and len(text) > LONG]
+    return {text: f"({number})" for number, text in enumerate(long, start=1)}
 
 
 def table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

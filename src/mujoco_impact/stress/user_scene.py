@@ -87,6 +87,19 @@ class Finding:
     differences: tuple[str, ...] = ()
 
 
+class StressInterrupted(KeyboardInterrupt):
+    """A stress test was interrupted by hand (Ctrl-C).
+
+    Attributes:
+        findings: The findings until then.
+    """
+
+    def __init__(self, findings: list[Finding]) -> None:
+        """Stores the findings."""
+        super().__init__(f"interrupted after {len(findings)} runs")
+        self.findings = findings
+
+
 def stress_scene(
     source: Source,
     *,
@@ -111,6 +124,8 @@ def stress_scene(
     Raises:
         SceneError: If the scene cannot take the plugin.
         ConfigError: If a setting is not valid.
+        StressInterrupted: On Ctrl-C; it is a KeyboardInterrupt, and holds the findings
+            until then.
     """
     spec = read_spec(source)
     if owned_geoms(spec) and settings:
@@ -118,14 +133,21 @@ def stress_scene(
         raise SceneError(msg)
     keyframe = settled([key.name for key in spec.keys], keyframe)
     ways = variations(spec, keyframe)
-    findings, outcomes = [], []
-    for variation in ways:
-        if progress is not None:
-            progress(variation.name)
-        varied = _varied(spec, variation, settings or {})
-        finding, outcome = _find(varied, variation, duration, keyframe)
-        findings.append(finding)
-        outcomes.append(outcome)
+    findings: list[Finding] = []
+    outcomes: list[Outcome] = []
+    try:
+        for variation in ways:
+            if progress is not None:
+                progress(variation.name)
+            varied = _varied(spec, variation, settings or {})
+            finding, outcome = _find(varied, variation, duration, keyframe)
+            findings.append(finding)
+            outcomes.append(outcome)
+    except KeyboardInterrupt:
+        if not findings:
+            raise
+        kept = _compared(ways[: len(findings)], findings, outcomes)
+        raise StressInterrupted(kept) from None
     return _compared(ways, findings, outcomes)
 
 
