@@ -14,6 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 import mujoco_impact
+from mujoco_impact import ImpactError, video
 from mujoco_impact.cli import app
 
 ROOT = Path(__file__).parents[2]
@@ -101,7 +102,17 @@ def commands() -> list:
 @pytest.mark.parametrize(("line", "output"), commands())
 def test_commands_succeed_and_print_what_they_say(line, output, tmp_path, monkeypatch):
     pytest.importorskip("matplotlib")
+    if "--html" in line:
+        pytest.importorskip("bokeh")
+    if "mujoco-impact video" in line:
+        # the tests are run with rendering switched off
+        monkeypatch.delenv("MUJOCO_GL", raising=False)
+        try:
+            video.check_rendering("scene.mp4")
+        except ImpactError as error:
+            pytest.skip(str(error))
     monkeypatch.chdir(tmp_path)
+    Path("docs").symlink_to(ROOT / "docs")
     monkeypatch.setitem(os.environ, "COLUMNS", "100")
     result = CliRunner().invoke(app, shlex.split(line)[1:])
     assert result.exit_code == 0, result.output
