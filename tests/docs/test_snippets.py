@@ -83,11 +83,22 @@ def test_python_runs_and_prints_what_it_says(snippet, tmp_path, monkeypatch):
     for library, use in OPTIONAL.items():
         if re.search(use, snippet.code):
             pytest.importorskip(library)
+    if ".render(" in snippet.code:
+        need_rendering(monkeypatch)
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
         exec(compile(snippet.code, str(snippet), "exec"), {"__name__": "snippet"})
     if snippet.output:
         assert words(printed.getvalue()) == words(snippet.output)
+
+
+def need_rendering(monkeypatch):
+    """Switches rendering on, off for the tests; skips where nothing renders."""
+    monkeypatch.delenv("MUJOCO_GL", raising=False)
+    try:
+        video.check_rendering("scene.mp4")
+    except ImpactError as error:
+        pytest.skip(str(error))
 
 
 def commands() -> list:
@@ -104,13 +115,10 @@ def test_commands_succeed_and_print_what_they_say(line, output, tmp_path, monkey
     pytest.importorskip("matplotlib")
     if "--html" in line:
         pytest.importorskip("bokeh")
-    if "mujoco-impact video" in line:
-        # the tests are run with rendering switched off
-        monkeypatch.delenv("MUJOCO_GL", raising=False)
-        try:
-            video.check_rendering("scene.mp4")
-        except ImpactError as error:
-            pytest.skip(str(error))
+    if line.startswith("mujoco-impact view"):
+        pytest.skip("it needs a display; tests/api/test_view.py has one")
+    if line.startswith("mujoco-impact video"):
+        need_rendering(monkeypatch)
     monkeypatch.chdir(tmp_path)
     Path("docs").symlink_to(ROOT / "docs")
     monkeypatch.setitem(os.environ, "COLUMNS", "100")

@@ -30,13 +30,14 @@ def view(
 ) -> None:
     """Watch a scene live in MuJoCo's viewer; the window tells its keys."""
     with clean_errors():
+        from mujoco_impact.video import dressed
         from mujoco_impact.viewer.session import Session
         from mujoco_impact.viewer.window import check_display, show
 
         check_display()
         law = parsed_settings(settings, params, friction=friction)
         spec = scene_of(model, law, native=False)
-        session = Session(spec, keyframe=start_keyframe(spec, keyframe))
+        session = Session(dressed(spec), keyframe=start_keyframe(spec, keyframe))
         show(session, seconds=seconds)
         for name, value in session.lines():
             console_of(None).out(f"{name}: {value}" if name else value)

@@ -30,7 +30,7 @@ from mujoco_impact.video.opengl import backend_name, drawing_context
 if TYPE_CHECKING:
     from PIL import Image
 
-__all__ = ["Panel", "View", "check_rendering", "frames", "write_video"]
+__all__ = ["Panel", "View", "check_rendering", "dressed", "frames", "write_video"]
 
 MOST_FRAMES = 20_000
 """Most pictures of a video; more is a slip of the speed."""
@@ -151,7 +151,7 @@ def frames(
     keyframe: Keyframe = None,
 ) -> Generator[Image.Image, None, None]:
     """Yields the picture of each time, with captions; see `write_video`."""
-    compiled = _dressed(model)
+    compiled = _drawn(model)
     start = settled(keyframe_names(compiled), keyframe)
     data = initial_data(compiled, keyframe=start)
     for panel in panels:
@@ -220,15 +220,18 @@ class _Canvas:
         return picture
 
 
-def _dressed(model: Model) -> mujoco.MjModel:
-    """Returns a model of its own to be drawn.
-
-    MuJoCo shows a scene without a sky in black, and one without a light in the dark:
-    one that is not compiled yet gets what it lacks.
-    """
+def _drawn(model: Model) -> mujoco.MjModel:
+    """Returns a model of its own to be drawn, dressed if it is not compiled yet."""
     if isinstance(model, mujoco.MjModel):
         return copy.copy(model)
-    spec = read_spec(model)
+    return compile_spec(dressed(read_spec(model)))
+
+
+def dressed(spec: mujoco.MjSpec) -> mujoco.MjSpec:
+    """Gives a scene a sky and a light if it has none, and returns it.
+
+    MuJoCo shows a scene without a sky in black, and one without a light in the dark.
+    """
     skybox = mujoco.mjtTexture.mjTEXTURE_SKYBOX
     if not any(texture.type == skybox for texture in spec.textures):
         spec.add_texture(
@@ -244,7 +247,7 @@ def _dressed(model: Model) -> mujoco.MjModel:
         sun = spec.worldbody.add_light(name="mujoco_impact_sun")
         sun.type = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
         sun.dir = [0.3, 0.4, -1.0]
-    return compile_spec(spec)
+    return spec
 
 
 def _telling_time(panels: Sequence[Panel]) -> float:
