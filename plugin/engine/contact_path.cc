@@ -38,7 +38,9 @@ ContactAnchor AnchorContact(const mjModel* m, const mjData* d, const mjContact& 
     const int geom = contact.geom[i];
     const int body = anchor.body[i] = m->geom_bodyid[geom];
     anchor.sphere[i] = IsSphere(m, geom);
-    position[i] = Load(anchor.sphere[i] ? d->geom_xpos + 3 * geom : contact.pos);
+    position[i] = anchor.sphere[i] ? Load(d->geom_xpos + 3 * geom)
+                                   : PointWithNormal(m, d, geom, Load(contact.pos),
+                                                     (i == 0 ? 1 : -1) * anchor.normal);
     anchor.local[i] = RotateBack(d->xmat + 9 * body, position[i] - Load(d->xpos + 3 * body));
   }
   anchor.carried = IsCarried(contact);

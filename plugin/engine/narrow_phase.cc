@@ -77,7 +77,9 @@ int Ask(const mjModel* m, mjData* d, const mjContact& like, mjtNum margin,
   mjtNum* position = d->geom_xpos + 3 * like.geom[1];
   const Vector3 place = Load(position);
   const mjtNum size = std::min(SizeOf(m, like.geom[0]), SizeOf(m, like.geom[1]));
-  const Vector3 shift = kShift * size * Load(like.frame);
+  // a height field is not convex
+  const mjtNum away = m->geom_type[like.geom[0]] == mjGEOM_HFIELD ? 0 : kShift * size;
+  const Vector3 shift = away * Load(like.frame);
   Store(place + shift, position);
   const int count = std::min(kMostPoints, FunctionOf(m, like)(m, d, found, like.geom[0],
                                                               like.geom[1], margin + Norm(shift)));
@@ -180,7 +182,7 @@ bool FollowsFromCentres(const mjModel* m, const mjContact& contact) {
 bool CanBeAsked(const mjModel* m, const mjContact& contact) {
   for (const int geom : contact.geom) {
     const int type = m->geom_type[geom];
-    if (type == mjGEOM_HFIELD || type == mjGEOM_SDF) return false;
+    if (type == mjGEOM_SDF) return false;
   }
   return FunctionOf(m, contact) != nullptr;
 }

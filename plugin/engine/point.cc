@@ -2,6 +2,8 @@
 
 #include "engine/point.h"
 
+#include <algorithm>
+
 #include "engine/spatial.h"
 
 namespace mujoco_impact::engine {
@@ -29,6 +31,27 @@ Vector3 Origin(const mjModel* m, const mjData* d, int body) {
 }
 
 }  // namespace
+
+Vector3 PointWithNormal(const mjModel* m, const mjData* d, int geom, const Vector3& point,
+                        const Vector3& outward) {
+  const mjtNum *size = m->geom_size + 3 * geom, *R = d->geom_xmat + 9 * geom;
+  const Vector3 centre = Load(d->geom_xpos + 3 * geom), n = RotateBack(R, outward);
+  switch (m->geom_type[geom]) {
+    case mjGEOM_ELLIPSOID: {
+      // A² n / |A n|, A the half-axes
+      const Vector3 An{size[0] * n.x, size[1] * n.y, size[2] * n.z};
+      const Vector3 AAn{size[0] * An.x, size[1] * An.y, size[2] * An.z};
+      return centre + Rotate(R, 1 / Norm(An) * AAn);
+    }
+    case mjGEOM_CAPSULE: {
+      const mjtNum along = RotateBack(R, point - centre).z - size[0] * n.z;
+      const Vector3 inside{0, 0, std::clamp(along, -size[1], size[1])};
+      return centre + Rotate(R, inside + size[0] * n);
+    }
+    default:
+      return point;
+  }
+}
 
 int LastDof(const mjModel* m, int body) {
   body = m->body_weldid[body];

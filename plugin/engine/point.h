@@ -30,6 +30,13 @@ inline Vector3 SurfacePoint(const mjModel* m, int geom, int side, const Vector3&
   return point + (side == 0 ? radius : -radius) * normal;
 }
 
+// The point of the surface of an ellipsoid or a capsule in which its outward normal is `outward`,
+// next to `point`; of any other shape `point` itself. The narrow phase tells the point and the normal
+// of a curved body as far as it has iterated. A push along that normal at that point would turn the
+// body about an axis of symmetry, which a push without friction cannot.
+Vector3 PointWithNormal(const mjModel* m, const mjData* d, int geom, const Vector3& point,
+                        const Vector3& outward);
+
 // Last degree of freedom that moves the body, −1 for a static one.
 int LastDof(const mjModel* m, int body);
 
