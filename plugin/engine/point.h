@@ -31,9 +31,9 @@ inline Vector3 SurfacePoint(const mjModel* m, int geom, int side, const Vector3&
 }
 
 // The point of the surface of an ellipsoid or a capsule in which its outward normal is `outward`,
-// next to `point`; of any other shape `point` itself. The narrow phase tells the point and the normal
-// of a curved body as far as it has iterated. A push along that normal at that point would turn the
-// body about an axis of symmetry, which a push without friction cannot.
+// next to `point`; of any other shape `point` itself. The narrow phase tells the point and the
+// normal of a curved body as far as it has iterated. A push along that normal at that point would
+// turn the body about an axis of symmetry, which a push without friction cannot.
 Vector3 PointWithNormal(const mjModel* m, const mjData* d, int geom, const Vector3& point,
                         const Vector3& outward);
 

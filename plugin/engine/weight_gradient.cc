@@ -27,7 +27,8 @@ class DisplacedTree {
         weight_(displacement_ + 6 * number_),
         weight_change_(weight_ + 6 * number_),
         axis_change_(weight_change_ + 6 * number_),
-        first_dof_(m->tree_dofadr[tree]) {
+        first_dof_(m->tree_dofadr[tree]),
+        falling_(IsFreeRoot() ? 1 - m->body_gravcomp[first_] : 0) {
     mju_zero(work, Numbers(number_, m->tree_dofnum[tree]));
     for (int i = 0; i < number_; ++i) Displace(i, u);
     for (int i = number_ - 1; i > 0; --i) PassToParent(i);
@@ -47,6 +48,8 @@ class DisplacedTree {
   }
 
  private:
+  bool IsFreeRoot() const { return m_->jnt_type[m_->dof_jntid[first_dof_]] == mjJNT_FREE; }
+
   mjtNum Spring(int dof) const {
     const int joint = m_->dof_jntid[dof];
     const int type = m_->jnt_type[joint];
@@ -77,8 +80,8 @@ class DisplacedTree {
     const Vector3 arm = Load(d_->xipos + 3 * body) - Load(origin_);
     // δx = δtranslation + δrotation × arm
     const Vector3 centre_moved = Load(moved + 3) + Cross(Load(moved), arm);
-    const mjtNum mass = m_->body_mass[body] * (1 - m_->body_gravcomp[body]);
-    const Vector3 force = mass * Load(m_->opt.gravity);
+    const mjtNum weight = 1 - m_->body_gravcomp[body] - falling_;
+    const Vector3 force = m_->body_mass[body] * weight * Load(m_->opt.gravity);
     Store(Cross(arm, force), weight_ + 6 * i);
     Store(force, weight_ + 6 * i + 3);
     Store(Cross(centre_moved, force), weight_change_ + 6 * i);
@@ -99,6 +102,9 @@ class DisplacedTree {
   mjtNum *displacement_, *weight_, *weight_change_;  // per body (6)
   mjtNum* axis_change_;                              // per dof (6)
   const int first_dof_;
+  // Of gravity: with what acceleration the tree falls as a whole. What falls freely has no weight,
+  // however it turns: its inertia changes as its weight does.
+  const mjtNum falling_;
 };
 
 }  // namespace

@@ -13,8 +13,8 @@
 //
 //   −s (h − s)/2         and         (h − s)²/2 − h²/6.
 //
-// Left out: the change of M and of velocity-dependent forces, which are zero for spheres, and for
-// pendulums of one hinge.
+// Left out: the change of M, but for that of a tree that falls as a whole, and of
+// velocity-dependent forces; both are zero for spheres, and for pendulums of one hinge.
 
 #ifndef MUJOCO_IMPACT_ENGINE_WEIGHT_GRADIENT_H_
 #define MUJOCO_IMPACT_ENGINE_WEIGHT_GRADIENT_H_

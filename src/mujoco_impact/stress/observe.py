@@ -94,8 +94,9 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
     until = -np.inf
     qpos_of[0], qvel_of[0] = data.qpos, data.qvel
     limited, seen = False, 0
-    with collected_warnings() as messages:
+    with collected_warnings() as messages, _StageForces(model) as stages:
         for step in range(steps):
+            stages.begin()
             begin = time.thread_time()
             mujoco.mj_step(model, data)
             seconds[step] = time.thread_time() - begin
@@ -103,7 +104,7 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
             qpos_of[step + 1], qvel_of[step + 1] = data.qpos, data.qvel
             # a step finds the contacts of the state that it starts from
             limited = limited or _is_limiting(data)
-            pushed[step] = _is_pushing(data)
+            pushed[step] = _is_pushing(model, data) or stages.acted
             pulses.poll()
             begun[step] = len(pulses.impacts) - seen
             for impact in pulses.impacts[seen:]:
@@ -137,10 +138,50 @@ def _work(model: mujoco.MjModel, data: mujoco.MjData, instances: list[int]) -> f
     return float(done) / (3.0 * (1.7e6 + 12.0 * float(own)))
 
 
-def _is_pushing(data: mujoco.MjData) -> bool:
-    """Whether a contact of MuJoCo exerts a force, normal or of friction."""
+def _is_pushing(model: mujoco.MjModel, data: mujoco.MjData) -> bool:
+    """Whether a contact of MuJoCo exerts a force, normal or of friction.
+
+    Under `discrete` any contact counts: one without force changes a step of bodies that
+    turn, too.
+    """
     contacts = data.efc_type >= _CONTACTS
+    if model.opt.integrator == mujoco.mjtIntegrator.mjINT_DISCRETE:
+        return bool(contacts.any())
     return bool(np.any(data.efc_force[contacts]))
+
+
+class _StageForces:
+    """Sees whether constraints act in the stages of a Runge-Kutta step but the last.
+
+    MuJoCo calls back in each stage before it solves for the constraints, when their
+    forces are still those of the stage before.
+    """
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        """The other integrators have a single stage, of which nothing need be seen."""
+        self._wanted = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+        self.begin()
+
+    def begin(self) -> None:
+        """A step begins."""
+        self.acted, self._calls = False, 0
+
+    def __enter__(self) -> _StageForces:
+        """Looks at all stages until the end of the block."""
+        if self._wanted:
+            mujoco.set_mjcb_control(self._look)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Looks no more."""
+        if self._wanted:
+            mujoco.set_mjcb_control(None)
+
+    def _look(self, _: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Looks at the forces of the stage before, which at first is another step's."""
+        self._calls += 1
+        if self._calls > 1:
+            self.acted = self.acted or bool(np.any(data.qfrc_constraint))
 
 
 def _is_limiting(data: mujoco.MjData) -> bool:
