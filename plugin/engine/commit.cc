@@ -3,9 +3,9 @@
 #include "engine/commit.h"
 
 #include "engine/deliver.h"
+#include "engine/flights.h"
 #include "engine/gather.h"
 #include "engine/motion.h"
-#include "engine/rigid_flight.h"
 #include "engine/runge_kutta.h"
 #include "engine/scratch.h"
 #include "engine/slots.h"

@@ -6,8 +6,8 @@
 
 #include "engine/islands.h"
 #include "engine/narrow_phase.h"
-#include "engine/rigid_flight.h"
 #include "engine/silence.h"
+#include "engine/tree_kinds.h"
 
 namespace mujoco_impact::engine {
 

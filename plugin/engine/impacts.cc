@@ -8,15 +8,16 @@
 
 #include "engine/budget.h"
 #include "engine/config.h"
+#include "engine/flights.h"
 #include "engine/friction.h"
 #include "engine/gather.h"
+#include "engine/inertia_there.h"
 #include "engine/island_system.h"
 #include "engine/islands.h"
 #include "engine/outlook.h"
 #include "engine/ownership.h"
 #include "engine/reach.h"
 #include "engine/resolve.h"
-#include "engine/rigid_flight.h"
 #include "engine/slots.h"
 #include "engine/struck.h"
 #include "engine/velocity_forces.h"
@@ -58,7 +59,7 @@ class Resolver {
 
   void Run();
 
-  const RigidFlights& flights() const { return flights_; }
+  const Flights& flights() const { return flights_; }
 
  private:
   void RunRounds();
@@ -96,7 +97,7 @@ class Resolver {
   Budget budget_;
   Struck struck_;
   const Outlook start_;
-  RigidFlights flights_;
+  Flights flights_;
   const mjtNum* steady_;  // what gravity and other forces do to the velocities (nv)
   BodiesInStep bodies_;
   const mjtNum* path_velocity_ = nullptr;  // of the outlook of the round (nv)
@@ -292,6 +293,7 @@ bool Resolver::Approach(Outlook& outlook, const ImpactTime& time, const int* pos
   for (int a = 0; a < count; ++a) contacts_.relevant[position[a]] = true;
   AnchorAll();
   budget_.SpendRound(m_, contacts_);
+  budget_.Spend(flights_.TakeWork());
   outlook = bodies_.MoveTo(time.start + time.tau, impacts_, kicks_, struck_.owed());
   struck_.BeginRound(outlook.motion);
   budget_.SpendPairs(FindPointsAgain(m_, d_, position, count, contacts_));
@@ -390,7 +392,9 @@ void Resolver::AnchorAll() {
 void Resolver::Run() {
   budget_.SpendPairs(contacts_.asked);
   RunRounds();
+  bodies_.FlyToEnd();
   bodies_.PutBack();
+  budget_.Spend(flights_.TakeWork());
   AddKicks(m_, d_, kicks_, impacts_, scratch_);
   state_.header().work = budget_.spent();
   if (bent_) AddTo(m_, impacts_, delivery_);
@@ -422,9 +426,8 @@ void Resolver::RunRounds() {
 
 }  // namespace
 
-RigidFlights ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
-                            const mjtNum* kick, State& state, Delivery& delivery,
-                            Scratch& scratch) {
+Flights ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
+                       const mjtNum* kick, State& state, Delivery& delivery, Scratch& scratch) {
   Resolver resolver(m, d, instance, mobility, kick, state, delivery, scratch);
   resolver.Run();
   return resolver.flights();

@@ -11,8 +11,8 @@
 #include <mujoco/mujoco.h>
 
 #include "engine/deliver.h"
+#include "engine/flights.h"
 #include "engine/mobility.h"
-#include "engine/rigid_flight.h"
 #include "engine/scratch.h"
 #include "engine/state.h"
 
@@ -21,8 +21,8 @@ namespace mujoco_impact::engine {
 // Resolves every impact of the step and adds what it exerts in it to `delivery`. New pulses are
 // left pending in the state. `kick` is what pulses under way add to the velocity in the step (nv),
 // null if none is. Returns the flights of tumbling bodies, whose impacts are no forces.
-RigidFlights ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
-                            const mjtNum* kick, State& state, Delivery& delivery, Scratch& scratch);
+Flights ResolveImpacts(const mjModel* m, mjData* d, int instance, const Mobility& mobility,
+                       const mjtNum* kick, State& state, Delivery& delivery, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

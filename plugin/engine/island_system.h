@@ -65,21 +65,6 @@ mjtNum RowTimes(const mjModel* m, const ContactRow& row, const mjtNum* x);
 void AddAnswer(const mjModel* m, const Mobility& mobility, const ContactRow& row, mjtNum s,
                mjtNum* x, Scratch& scratch);
 
-// The inertia of the bodies where they are in `d`, for as long as the object lives; then that of
-// the start of the step again, to the bit.
-class InertiaThere {
- public:
-  InertiaThere(const mjModel* m, mjData* d, Scratch& scratch);
-  ~InertiaThere();
-  InertiaThere(const InertiaThere&) = delete;
-  InertiaThere& operator=(const InertiaThere&) = delete;
-
- private:
-  const mjModel* m_;
-  mjData* d_;
-  mjtNum *crb_, *M_, *qLD_, *qLDiagInv_;
-};
-
 }  // namespace mujoco_impact::engine
 
 #endif  // MUJOCO_IMPACT_ENGINE_ISLAND_SYSTEM_H_

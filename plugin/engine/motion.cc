@@ -28,11 +28,22 @@ bool HasDamping(const mjModel* m) {
 // with strong damping, h B ≫ M, would by M⁻¹ alone be expected to turn back within the step.
 void DampImplicitly(const mjModel* m, mjData* d, mjtNum* force, Scratch& scratch) {
   const int nv = static_cast<int>(m->nv);
+  mjtNum* x = scratch.Take<mjtNum>(nv);
+  mju_copy(x, force, nv);
+  SolveDamped(m, d, m->opt.timestep, x, scratch);
+  // M x = f − h B x
+  for (int i = 0; i < nv; ++i) force[i] -= m->opt.timestep * m->dof_damping[i] * x[i];
+}
+
+}  // namespace
+
+void SolveDamped(const mjModel* m, const mjData* d, mjtNum time, mjtNum* x, Scratch& scratch) {
+  const int nv = static_cast<int>(m->nv);
   mjtNum* L = scratch.Take<mjtNum>(m->nC);
   mju_copy(L, d->M, static_cast<int>(m->nC));
   const auto diagonal = [&](int i) { return m->M_rowadr[i] + m->M_rownnz[i] - 1; };
-  for (int i = 0; i < nv; ++i) L[diagonal(i)] += m->opt.timestep * m->dof_damping[i];
-  // M + h B = Lᵀ D L from the leaves on: row i takes its part of the rows of its ancestors, whose
+  for (int i = 0; i < nv; ++i) L[diagonal(i)] += time * m->dof_damping[i];
+  // M + t B = Lᵀ D L from the leaves on: row i takes its part of the rows of its ancestors, whose
   // columns are the first of its own
   for (int i = nv - 1; i >= 0; --i) {
     const int row = m->M_rowadr[i];
@@ -42,8 +53,6 @@ void DampImplicitly(const mjModel* m, mjData* d, mjtNum* force, Scratch& scratch
       L[a] = part;
     }
   }
-  mjtNum* x = scratch.Take<mjtNum>(nv);
-  mju_copy(x, force, nv);
   for (int i = nv - 1; i >= 0; --i) {
     for (int a = m->M_rowadr[i]; a < diagonal(i); ++a) x[m->M_colind[a]] -= L[a] * x[i];
   }
@@ -51,11 +60,7 @@ void DampImplicitly(const mjModel* m, mjData* d, mjtNum* force, Scratch& scratch
     x[i] /= L[diagonal(i)];
     for (int a = m->M_rowadr[i]; a < diagonal(i); ++a) x[i] -= L[a] * x[m->M_colind[a]];
   }
-  // M x = f − h B x
-  for (int i = 0; i < nv; ++i) force[i] -= m->opt.timestep * m->dof_damping[i] * x[i];
 }
-
-}  // namespace
 
 bool ImplicitDamping(const mjModel* m) {
   if (m->opt.integrator == mjINT_RK4 || (m->opt.disableflags & mjDSBL_DAMPER)) return false;
@@ -63,6 +68,8 @@ bool ImplicitDamping(const mjModel* m) {
 }
 
 double ImpulseLag(const mjModel* m) { return m->opt.integrator == mjINT_RK4 ? 0.5 : 0; }
+
+mjtNum PathLag(const mjModel* m) { return (0.5 - ImpulseLag(m)) * m->opt.timestep; }
 
 Motion PredictMotion(const mjModel* m, mjData* d, const Mobility& mobility, Scratch& scratch) {
   const int nv = m->nv;

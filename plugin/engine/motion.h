@@ -35,6 +35,9 @@ struct Motion {
 // (0 at the start, 1/2 for Runge-Kutta, which spreads it).
 double ImpulseLag(const mjModel* m);
 
+// How far the velocity of MuJoCo's bodies is behind that of their path [s].
+mjtNum PathLag(const mjModel* m);
+
 // Whether the integrator divides by M + h B, B the joint damping, instead of M.
 bool ImplicitDamping(const mjModel* m);
 
@@ -46,6 +49,9 @@ void VelocityOnPath(const mjModel* m, const Motion& motion, mjtNum tau, mjtNum* 
 // x = M⁻¹ y (nv each, not the same array), zero for trees that sleep: MuJoCo leaves those as they
 // are.
 void SolveInertia(const mjModel* m, mjData* d, mjtNum* x, const mjtNum* y);
+
+// x ← (M + t B)⁻¹ x, B the damping of the joints (nv).
+void SolveDamped(const mjModel* m, const mjData* d, mjtNum time, mjtNum* x, Scratch& scratch);
 
 // Whether MuJoCo has put the tree to sleep: no force moves it in this step.
 inline bool IsAsleep(const mjData* d, int tree) { return d->tree_asleep[tree] >= 0; }

@@ -28,7 +28,7 @@ mjtNum* SettledVelocity(const mjModel* m, const Outlook& outlook, mjtNum tau, Sc
 }
 
 BodiesInStep::BodiesInStep(const mjModel* m, mjData* d, const Mobility& mobility,
-                           const Outlook& start, RigidFlights& flights, Scratch& scratch)
+                           const Outlook& start, Flights& flights, Scratch& scratch)
     : m_(m),
       d_(d),
       mobility_(mobility),
@@ -56,6 +56,8 @@ void BodiesInStep::PutBack() {
   if (away_) Place(0, nullptr, qvel_);
   away_ = false;
 }
+
+void BodiesInStep::FlyToEnd() { away_ = flights_.FlyToEnd(d_) || away_; }
 
 Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery, const Kicks& kicks, mjtNum* owed) {
   const int nv = m_->nv;
@@ -119,7 +121,7 @@ void BodiesInStep::Place(mjtNum t, const mjtNum* displacement, const mjtNum* vel
   mju_copy(d_->qpos, qpos_, m_->nq);
   if (displacement) mj_integratePos(m_, d_->qpos, displacement, 1);
   mju_copy(d_->qvel, velocity, m_->nv);
-  if (displacement) flights_.Place(t, d_->qpos, d_->qvel, moved_.velocity, moved_.acceleration);
+  if (displacement) flights_.Place(d_, t, moved_);
   mj_kinematics(m_, d_);
   mj_comPos(m_, d_);
   mj_comVel(m_, d_);

@@ -17,8 +17,8 @@
 #include <mujoco/mujoco.h>
 
 #include "engine/deliver.h"
+#include "engine/flights.h"
 #include "engine/motion.h"
-#include "engine/rigid_flight.h"
 #include "engine/scratch.h"
 
 namespace mujoco_impact::engine {
@@ -43,7 +43,7 @@ class BodiesInStep {
  public:
   // `start` is the outlook from the start of the step; struck bodies of `flights` follow those.
   BodiesInStep(const mjModel* m, mjData* d, const Mobility& mobility, const Outlook& start,
-               RigidFlights& flights, Scratch& scratch);
+               Flights& flights, Scratch& scratch);
   ~BodiesInStep();
   BodiesInStep(const BodiesInStep&) = delete;
   BodiesInStep& operator=(const BodiesInStep&) = delete;
@@ -52,6 +52,9 @@ class BodiesInStep {
   // `kicks`, and looks ahead from there; `owed` is the velocity that their pulses will add after
   // this step (nv), null if none will.
   Outlook MoveTo(mjtNum t, const Delivery& delivery, const Kicks& kicks, mjtNum* owed);
+
+  // What flies goes on to the end of the step.
+  void FlyToEnd();
 
   // Puts the bodies back, if they are away.
   void PutBack();
@@ -65,7 +68,7 @@ class BodiesInStep {
   mjData* d_;
   const Mobility& mobility_;
   const Outlook start_;
-  RigidFlights& flights_;
+  Flights& flights_;
   mjtNum *qpos_, *qvel_;             // at the start of the step
   mjtNum *mocap_pos_, *mocap_quat_;  // then
   Motion moved_;

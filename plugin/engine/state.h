@@ -66,11 +66,14 @@ struct Pulse {
   bool slides() const { return tangent[0] != 0 || tangent[1] != 0 || tangent[2] != 0; }
 };
 
-// What impacts do to a free body that flies, beside its entries of the correction and the held
-// force (rigid_flight.h).
+// What impacts do to a tree that flies, beside its entries of the correction and the held
+// force (flights.h).
 struct FlightRecord {
-  double struck;       // 1, 2 if contacts of MuJoCo carry it: those entries are differences of its
-                       // motion at the end of the step
+  // Whether it was struck: a free body, one that contacts of MuJoCo carry, or a tree of several
+  // joints, whose entries are differences of its motion at the end of the step.
+  static constexpr double kNotStruck = 0, kFree = 1, kCarried = 2, kArm = 3;
+
+  double struck;
   double work;         // by which its spin is richer than unstruck [J]
   double velocity[3];  // of its centre at the end of the step, unstruck [m/s]
 };

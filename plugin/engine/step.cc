@@ -3,10 +3,10 @@
 #include "engine/step.h"
 
 #include "engine/deliver.h"
+#include "engine/flights.h"
 #include "engine/gather.h"
 #include "engine/impacts.h"
 #include "engine/mobility.h"
-#include "engine/rigid_flight.h"
 #include "engine/runge_kutta.h"
 #include "engine/scratch.h"
 #include "engine/sensor.h"
@@ -50,7 +50,7 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
     kick = scratch.Take<mjtNum>(m->nv);
     mobility.Solve(kick, delivery.impulse);
   }
-  RigidFlights flights;
+  Flights flights;
   if (!pulses || AnyMayCloseByPulses(m, d, state.mocap(), touch, kick)) {
     flights = ResolveImpacts(m, d, instance, mobility, kick, state, delivery, scratch);
   }

@@ -10,7 +10,7 @@ namespace mujoco_impact::engine {
 bool StepFits(const mjModel* m, const mjData* d, const Scratch& scratch) {
   // at most this many vectors of the length of each, MuJoCo's own in the functions we call
   // included, and a factor of the inertia
-  constexpr size_t kVectors = 48;
+  constexpr size_t kVectors = 72;
   const size_t numbers = m->nq + m->nv + m->nbody + m->ntree + m->nu + m->nmocap;
   // the points of other shapes are found again, and more of them
   size_t points = 0;
@@ -21,7 +21,7 @@ bool StepFits(const mjModel* m, const mjData* d, const Scratch& scratch) {
     points += follows ? 1 : 1 + kMorePoints;
     asks = asks || !follows;
   }
-  const size_t vectors = (kVectors * numbers + 3 * m->nC + 10 * m->nbody) * sizeof(mjtNum);
+  const size_t vectors = (kVectors * numbers + 4 * m->nC + 10 * m->nbody) * sizeof(mjtNum);
   return scratch.Fits(vectors + points * kGatheredBytes + (asks ? NarrowPhaseBytes(m) : 0));
 }
 

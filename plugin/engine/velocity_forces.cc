@@ -3,6 +3,7 @@
 #include "engine/velocity_forces.h"
 
 #include "engine/motion.h"
+#include "engine/tree_kinds.h"
 
 namespace mujoco_impact::engine {
 
@@ -37,7 +38,7 @@ void BiasAt(const mjModel* m, mjData* d, const mjtNum* velocity, mjtNum* bias) {
 
 }  // namespace
 
-void AddVelocityForces(const mjModel* m, mjData* d, const RigidFlights& flights, mjtNum t,
+void AddVelocityForces(const mjModel* m, mjData* d, const Flights& flights, mjtNum t,
                        const mjtNum* before, const mjtNum* after, Kicks& kicks, Scratch& scratch) {
   const mjtNum h = m->opt.timestep;
   mjtNum* velocity = scratch.Take<mjtNum>(m->nv);
@@ -75,9 +76,9 @@ void AddVelocityForces(const mjModel* m, mjData* d, const RigidFlights& flights,
   }
 }
 
-const mjtNum* WithoutVelocityForces(const mjModel* m, mjData* d, const RigidFlights& flights,
+const mjtNum* WithoutVelocityForces(const mjModel* m, mjData* d, const Flights& flights,
                                     const mjtNum* acceleration, Scratch& scratch) {
-  const auto has_arms = [&](int tree) { return !flights.Has(tree) && !KeepsInertia(m, tree); };
+  const auto has_arms = [&](int tree) { return !flights.IsRigid(tree) && !KeepsInertia(m, tree); };
   int tree = 0;
   while (tree < m->ntree && !has_arms(tree)) ++tree;
   if (tree == m->ntree) return acceleration;

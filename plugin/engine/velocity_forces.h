@@ -15,7 +15,7 @@
 //   h L              implicit; implicitfast and discrete for single free bodies
 //
 // so that part − C (h − t − a h) goes into the impulse of the step. Correct to first order in the
-// angle turned. Bodies that nothing holds are followed exactly instead (rigid_flight.h).
+// angle turned. Bodies that nothing holds are followed exactly instead (flights.h).
 
 #ifndef MUJOCO_IMPACT_ENGINE_VELOCITY_FORCES_H_
 #define MUJOCO_IMPACT_ENGINE_VELOCITY_FORCES_H_
@@ -23,19 +23,19 @@
 #include <mujoco/mujoco.h>
 
 #include "engine/deliver.h"
-#include "engine/rigid_flight.h"
+#include "engine/flights.h"
 #include "engine/scratch.h"
 
 namespace mujoco_impact::engine {
 
 // Adds that to the kicks of the trees that do not fly, for an impact at time t [s] where the bodies
 // are in `d`, with their inertia there; velocities before and after it (nv).
-void AddVelocityForces(const mjModel* m, mjData* d, const RigidFlights& flights, mjtNum t,
+void AddVelocityForces(const mjModel* m, mjData* d, const Flights& flights, mjtNum t,
                        const mjtNum* before, const mjtNum* after, Kicks& kicks, Scratch& scratch);
 
 // The acceleration of the step without what such forces give arms, a + M⁻¹(c(q, v) − c(q, 0)): what
 // goes on while bodies touch (nv).
-const mjtNum* WithoutVelocityForces(const mjModel* m, mjData* d, const RigidFlights& flights,
+const mjtNum* WithoutVelocityForces(const mjModel* m, mjData* d, const Flights& flights,
                                     const mjtNum* acceleration, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
