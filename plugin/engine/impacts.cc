@@ -70,6 +70,11 @@ class Resolver {
   bool IsOnPath(const int* position, int count) const;
   bool Approach(Outlook& outlook, const ImpactTime& time, const int* position, int count);
   bool AnyFlies(const IslandSystem& system) const;
+  bool FitsIsland(const int* position, int count);
+  IslandSystem SolveIsland(const Outlook& outlook, ImpactTime time, const int* position, int count,
+                           Impact* impacts, Scratch& scratch);
+  mjtNum CentreOf(const Outlook& outlook, const ImpactTime& time, const int* position, int count);
+  void GoToCentre(Outlook& outlook, const ImpactTime& time, const int* position, int count);
   bool ResolveIslandOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
   void ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
   ImpactTime FirstClosing(const Outlook& outlook, const int* position, int count) const;
@@ -149,7 +154,8 @@ void Resolver::AddShare(const ContactRow& row, const ImpactTime& time, const Sha
 
 ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, int count) const {
   const mjtNum h = m_->opt.timestep;
-  ImpactTime time{outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1, h};
+  ImpactTime time{
+      outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1, h, 0};
   for (int k = 0; k < count; ++k) {
     const int i = position[k];
     if (!contacts_.due[i]) continue;
@@ -168,40 +174,92 @@ bool Resolver::AnyFlies(const IslandSystem& system) const {
   });
 }
 
-// False if no contact pushes.
-bool Resolver::ResolveIslandOf(const Outlook& outlook, ImpactTime time, const int* position,
-                               int count) {
+bool Resolver::FitsIsland(const int* position, int count) {
   Scratch scratch(d_);
   size_t bytes = IslandBytes(m_, mobility_, contacts_, position, count, scratch);
   if (config_.friction) bytes += FrictionBytes(m_, bytes);
-  if (!scratch.Fits(bytes)) {
+  return scratch.Fits(bytes);
+}
+
+// The contacts of an island and their impacts. Of bodies that have been moved there for it, the
+// geometry is that of where they are; else that of when the first contact closes.
+IslandSystem Resolver::SolveIsland(const Outlook& outlook, ImpactTime time, const int* position,
+                                   int count, Impact* impacts, Scratch& scratch) {
+  const mjtNum seen = there_ ? 0 : time.tau;
+  time.seen = seen - time.tau;
+  IslandSystem system = BuildIsland(m_, d_, mobility_, contacts_, position, count, outlook.motion,
+                                    seen, time.tau, scratch);
+  for (int k = 0; k < count; ++k) budget_.SpendRow(m_, system.row[k]);
+  // a tumbling body turns away from a pulse that lasts, whose line stays as it was
+  constexpr mjtNum kShortSteps = 4;
+  if (AnyFlies(system)) time.short_of = kShortSteps * m_->opt.timestep;
+  const mjtNum* velocity = SettledVelocity(m_, outlook, seen, scratch);
+  mjtNum* acceleration = scratch.Take<mjtNum>(m_->nv);
+  mju_addScl(acceleration, steady_, start_.motion.jerk, outlook.start + seen, m_->nv);
+  ResolveIsland(m_, config_, ownership_, system, time, velocity, acceleration, budget_, &stiffer_,
+                impacts, scratch);
+  if (config_.friction) {
+    AddFriction(m_, d_, config_, outlook.motion, seen, velocity, system, impacts, scratch);
+  }
+  return system;
+}
+
+// False if no contact pushes.
+bool Resolver::ResolveIslandOf(const Outlook& outlook, ImpactTime time, const int* position,
+                               int count) {
+  if (!FitsIsland(position, count)) {
     mju_warning(
         "mujoco_impact.waveform: an impact of %d contacts needs more memory than mjData has left "
         "and is skipped; raise <size memory=\"...\"/> in the model",
         count);
     return true;
   }
-  IslandSystem system =
-      BuildIsland(m_, d_, mobility_, contacts_, position, count, outlook.motion, time.tau, scratch);
-  for (int k = 0; k < count; ++k) budget_.SpendRow(m_, system.row[k]);
-  // a tumbling body turns away from a pulse that lasts, whose line stays as it was
-  constexpr mjtNum kShortSteps = 4;
-  if (AnyFlies(system)) time.short_of = kShortSteps * m_->opt.timestep;
-  const mjtNum* velocity = SettledVelocity(m_, outlook, time.tau, scratch);
-  mjtNum* acceleration = scratch.Take<mjtNum>(m_->nv);
-  mju_addScl(acceleration, steady_, start_.motion.jerk, outlook.start + time.tau, m_->nv);
+  Scratch scratch(d_);
   Impact* impacts = scratch.Take<Impact>(count);
-  ResolveIsland(m_, config_, ownership_, system, time, velocity, acceleration, budget_, &stiffer_,
-                impacts, scratch);
-  if (config_.friction) {
-    AddFriction(m_, d_, config_, outlook.motion, time.tau, velocity, system, impacts, scratch);
-  }
+  const IslandSystem system = SolveIsland(outlook, time, position, count, impacts, scratch);
   const auto pushes = std::count_if(impacts, impacts + count,
                                     [](const Impact& impact) { return impact.impulse > 0; });
   if (pushes == 0) return false;
   if (!HasRoom(state_, static_cast<int>(pushes))) ComeAtOnce(time, count, impacts);
   AddImpacts(system, time, impacts, position);
   return true;
+}
+
+// How long after its first contact closes the impulses of an island come on the average [s]; 0 if
+// they last on.
+mjtNum Resolver::CentreOf(const Outlook& outlook, const ImpactTime& time, const int* position,
+                          int count) {
+  if (!FitsIsland(position, count)) return 0;
+  Scratch scratch(d_);
+  const InertiaThere inertia(m_, d_, scratch);
+  Impact* impacts = scratch.Take<Impact>(count);
+  SolveIsland(outlook, time, position, count, impacts, scratch);
+  mjtNum impulse = 0, moment = 0;
+  for (int k = 0; k < count; ++k) {
+    if (impacts[k].impulse > 0 && !impacts[k].at_once) return 0;
+    impulse += impacts[k].impulse;
+    moment += impacts[k].moment;
+  }
+  return impulse > 0 ? moment / impulse - time.start - time.tau : 0;
+}
+
+// The inertia of arms turns with them while they are pushed, and an impulse that comes all at once
+// keeps their energy only where it comes: so they are moved on from where a contact closes to the
+// middle of its impact.
+void Resolver::GoToCentre(Outlook& outlook, const ImpactTime& time, const int* position,
+                          int count) {
+  const bool arms = std::any_of(position, position + count, [this](int i) {
+    const ContactTrees trees = TreesOf(m_, *contacts_.contact[i]);
+    return std::any_of(trees.tree, trees.tree + 2, [this](int tree) {
+      return tree >= 0 && flights_.Has(tree) && !flights_.IsRigid(tree);
+    });
+  });
+  if (!arms) return;
+  const mjtNum start = outlook.start;
+  const mjtNum centre = start + time.tau + CentreOf(outlook, time, position, count);
+  outlook = bodies_.MoveTo(centre, impacts_, kicks_, struck_.owed());
+  struck_.BeginRound(outlook.motion);
+  for (int k = 0; k < contacts_.count; ++k) contacts_.tau[k] -= centre - start;
 }
 
 // Without free slots all of the island comes now, and no momentum is lost; all or none, for a light
@@ -327,6 +385,12 @@ void Resolver::ResolveRound(Outlook& outlook) {
         round_end_ = left_ = outlook.start;
         return;
       }
+    }
+    if (there_) {
+      const int* first = islands.position + islands.start[order[0]];
+      const int count = islands.start[order[0] + 1] - islands.start[order[0]];
+      GoToCentre(outlook, times[order[0]], first, count);
+      times[order[0]] = FirstClosing(outlook, first, count);
     }
     ResolveIslands(outlook, islands, times, order);
     there_ = false;

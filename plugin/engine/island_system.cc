@@ -32,10 +32,10 @@ Vector3 DrivenVelocity(const mjModel* m, const mjData* d, const MocapRecord* moc
   return velocity[0] - velocity[1];
 }
 
-void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau, ContactRow& row,
-             Scratch& scratch) {
+void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau, mjtNum begin,
+             ContactRow& row, Scratch& scratch) {
   row.normal = row.path.Normal(tau);
-  row.gap = row.path.Gap(tau);
+  row.gap = row.path.Gap(begin);
   row.curvature = ContactCurvature(m, d, *row.contact);
   row.turn_rate = row.path.TurnRate(tau);
   if (motion.mocap) row.driven = DrivenVelocity(m, d, motion.mocap, row, tau);
@@ -87,7 +87,7 @@ size_t IslandBytes(const mjModel* m, const Mobility& mobility, const Gathered& c
 
 IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobility,
                          Gathered& contacts, const int* position, int count, const Motion& motion,
-                         mjtNum tau, Scratch& scratch) {
+                         mjtNum tau, mjtNum begin, Scratch& scratch) {
   IslandSystem system{count, scratch.Take<ContactRow>(count), {}};
   for (int k = 0; k < count; ++k) {
     const int i = position[k];
@@ -100,7 +100,7 @@ IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobi
                                         0,
                                         {},
                                         {}};
-    FillRow(m, d, motion, tau, *row, scratch);
+    FillRow(m, d, motion, tau, begin, *row, scratch);
   }
   system.delassus = BuildDelassus(m, mobility, system.row, count, scratch);
   return system;

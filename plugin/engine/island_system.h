@@ -47,10 +47,11 @@ struct IslandSystem {
 size_t IslandBytes(const mjModel* m, const Mobility& mobility, const Gathered& contacts,
                    const int* position, int count, Scratch& scratch);
 
-// Builds the rows at time τ on the path of `motion`.
+// Builds the rows at time τ on the path of `motion`; the gaps are those of the time `begin`, when
+// the first contact of the island closes.
 IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobility,
                          Gathered& contacts, const int* position, int count, const Motion& motion,
-                         mjtNum tau, Scratch& scratch);
+                         mjtNum tau, mjtNum begin, Scratch& scratch);
 
 // J x of two segments for a vector of all degrees of freedom.
 mjtNum SegmentsTimes(const mjModel* m, const RowSegment segment[2], const mjtNum* x);

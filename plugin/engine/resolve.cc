@@ -143,17 +143,19 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
 // Gravity goes on while bodies touch, and the impulse of a contact does its work at the speed that
 // they have when it comes, at t_k = M_k / P_k on the average. All impulses are scaled by
 //
-//   Σ (c_k + a_k t_k) P_k / Σ c_k P_k,   a_k the rate of c_k by forces other than the impulses
+//   Σ (c_k + a_k t_k) P_k / Σ c_k P_k,   a_k the rate of c_k by forces other than the impulses,
+//                                         t_k from when c_k was taken
 //
 // with which a single contact gives back e² of what it took and an elastic impact keeps the energy.
 void CountForcesMeanwhile(const mjModel* m, const IslandSystem& system, const mjtNum* acceleration,
-                          IslandProblem& problem) {
+                          mjtNum seen, IslandProblem& problem) {
   constexpr mjtNum kMost = 0.1;  // beyond, bodies are pressed and not struck
   mjtNum work = 0, meanwhile = 0;
   for (int k = 0; k < problem.size; ++k) {
     if (problem.impulse[k] <= 0) continue;
     work += problem.closing_speed[k] * problem.impulse[k];
-    meanwhile -= RowTimes(m, system.row[k], acceleration) * problem.moment[k];
+    const mjtNum moment = problem.moment[k] - seen * problem.impulse[k];
+    meanwhile -= RowTimes(m, system.row[k], acceleration) * moment;
   }
   if (work <= 0 || std::abs(meanwhile) > kMost * work) return;
   for (mjtNum* numbers : {problem.impulse, problem.moment, problem.peak}) {
@@ -212,7 +214,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   bool at_once = false;
   if (config.law == Law::kHertz) {
     at_once = SolveWithinDepth(m, config, system, time, budget, stiffer, problem);
-    if (at_once) CountForcesMeanwhile(m, system, acceleration, problem);
+    if (at_once) CountForcesMeanwhile(m, system, acceleration, time.seen, problem);
     // α_k = P_k / P_ref, P_ref = (1 + e) μ u of the contact that closes first
     mju_scl(alpha, problem.impulse, 1 / ((1 + e) * reduced_mass * speed), system.size);
   } else {

@@ -37,6 +37,7 @@ struct ImpactTime {
   mjtNum longest;   // flight, whatever the law takes for the same impact [s]
   int first;        // which contact of the island that is
   mjtNum short_of;  // pulses of a Hertz contact that are shorter come at once [s]
+  mjtNum seen;      // how long after τ the bodies are where their inertia and speeds were taken [s]
 
   mjtNum left() const { return timestep - start - tau; }  // of the step
 };

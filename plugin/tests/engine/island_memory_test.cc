@@ -105,7 +105,7 @@ TEST_P(IslandMemory, AnIslandTakesNoMoreThanItAsksFor) {
       FindDue(m, d, outlook, config.touch, scratch.Zeros(static_cast<int>(m->ntree)), contacts));
   int* position = scratch.Take<int>(contacts.count);
   const mjtNum h = m->opt.timestep, ever = std::numeric_limits<mjtNum>::infinity();
-  ImpactTime time{0, ever, h, 0.1 * h, h, ever, -1, h};
+  ImpactTime time{0, ever, h, 0.1 * h, h, ever, -1, h, 0};
   for (int k = 0; k < contacts.count; ++k) {
     position[k] = k;
     Anchor(m, d, contacts, k);
@@ -120,7 +120,7 @@ TEST_P(IslandMemory, AnIslandTakesNoMoreThanItAsksFor) {
   const size_t before = d->pstack;
   d->maxuse_stack = 0;
   IslandSystem system = BuildIsland(m, d, mobility, contacts, position, contacts.count,
-                                    outlook.motion, time.tau, inside);
+                                    outlook.motion, time.tau, time.tau, inside);
   const mjtNum* velocity = SettledVelocity(m, outlook, time.tau, inside);
   Impact* impacts = inside.Take<Impact>(contacts.count);
   const mjtNum* acceleration = inside.Zeros(static_cast<int>(m->nv));
