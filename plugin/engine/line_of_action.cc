@@ -26,10 +26,14 @@ int BodyOf(const mjModel* m, const Pulse& pulse, int side) {
 
 LineOfAction LineNow(const mjModel* m, const mjData* d, const Pulse& pulse) {
   LineOfAction line;
-  Store(NormalNow(m, d, pulse), line.normal);
+  const Vector3 normal = NormalNow(m, d, pulse);
+  Store(normal, line.normal);
   for (int side = 0; side < 2; ++side) {
-    const mjtNum* rotation = d->xmat + 9 * BodyOf(m, pulse, side);
-    Store(Rotate(rotation, Load(pulse.point[side])), line.arm[side]);
+    const int body = BodyOf(m, pulse, side);
+    const Vector3 centre = Load(d->xpos + 3 * body);
+    const Vector3 then = centre + Rotate(d->xmat + 9 * body, Load(pulse.point[side]));
+    const Vector3 outward = (side == 0 ? 1 : -1) * normal;
+    Store(PointWithNormal(m, d, GeomOf(pulse, side), then, outward) - centre, line.arm[side]);
   }
   return line;
 }
