@@ -35,10 +35,11 @@ Turning Along(const Turning& x, mjtNum time, const Turning& rate) {
 }
 
 // Velocity of the centre of mass against that of the joint, in the body: ω × r. A velocity that
-// lags behind the pose by a time s is that of the joint then: ω × r − s ω × (ω × r).
+// lags behind the pose by a time s is that of the joint then: ω × r − s ω × (ω × r), with the ω of
+// half that time later in the second term.
 Vector3 AroundJoint(const RigidInertia& inertia, const Vector3& spin, mjtNum lag) {
-  const Vector3 around = Cross(spin, inertia.offset);
-  return around - lag * Cross(spin, around);
+  const Vector3 later = spin + lag / 2 * GyroscopicRate(inertia, spin);
+  return Cross(spin, inertia.offset) - lag * Cross(later, Cross(later, inertia.offset));
 }
 
 }  // namespace

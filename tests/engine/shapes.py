@@ -74,8 +74,12 @@ def motion(model: mujoco.MjModel, qpos: np.ndarray, qvel: np.ndarray) -> Motion:
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = qpos, qvel
     if model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4 and is_off_centre(model):
+        half = 0.5 * model.opt.timestep
         mujoco.mj_forward(model, data)
-        data.qvel += 0.5 * model.opt.timestep * data.qacc_smooth
+        # what tumbles has another acceleration halfway there
+        data.qvel[:] = qvel + half / 2 * data.qacc_smooth
+        mujoco.mj_forward(model, data)
+        data.qvel[:] = qvel + half * data.qacc_smooth
     for stage in (
         mujoco.mj_kinematics,
         mujoco.mj_comPos,

@@ -71,6 +71,11 @@ class Evidence:
         """Largest kinetic energy of the run [J]."""
         return max(float(self.energy[:, 1].max()), 1e-300)
 
+    @property
+    def kinetic_at_start(self) -> float:
+        """Kinetic energy of the first sample [J]."""
+        return float(self.energy[0, 1])
+
     @cached_property
     def gained(self) -> Array:
         """Energy after each step beyond that without contacts [J], shape (steps,)."""

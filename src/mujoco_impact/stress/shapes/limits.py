@@ -21,7 +21,18 @@ much again for bodies that are not balls."""
 
 
 def _diverges_alone(evidence: Evidence) -> bool:
-    return bool(evidence.run.warnings) and bool(evidence.alone.warnings)
+    """Whether MuJoCo's own steps end a run: those of the scene, or those it came to."""
+    if not evidence.run.warnings:
+        return False
+    if evidence.alone.warnings:
+        return True
+    # the energies of the last states of such a run may be anything
+    with np.errstate(all="ignore"):
+        sound = np.isfinite(evidence.energy).all(axis=1)
+        steps = np.flatnonzero(sound[1:] & sound[:-1])
+        free = float(evidence.integration[steps].sum())
+        ours = float(np.abs(evidence.gained[steps]).sum())
+        return free > ours and free > evidence.kinetic_at_start
 
 
 def _is_integration(evidence: Evidence, *, native: bool) -> bool:
@@ -79,7 +90,8 @@ def _misses_axis(evidence: Evidence) -> bool:
 LIMITS = (
     Limit(
         "diverges without contacts",
-        "MuJoCo cannot integrate the scene even if nothing meets",
+        "MuJoCo cannot integrate the scene even if nothing meets, or its steps without "
+        "the impacts add more energy than the scene had and than all impacts",
         frozenset({"finite"}),
         _diverges_alone,
         ours_only=False,

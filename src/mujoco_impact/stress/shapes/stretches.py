@@ -15,6 +15,9 @@ import numpy as np
 
 from mujoco_impact.stress.shapes.evidence import Evidence
 
+AROUND = 5
+"""Steps before and after a stretch in which the integrator is looked at."""
+
 
 @dataclasses.dataclass(frozen=True)
 class Stretch:
@@ -25,8 +28,9 @@ class Stretch:
         last: Number of the last step.
         growth: Largest energy that the contacts have added since the first step, over
             the largest kinetic energy of the run.
-        integration: What MuJoCo's integrator adds to the energy in these steps, and
-            in the one after them, without contacts, unsigned, over the same.
+        integration: What MuJoCo's integrator adds to the energy without contacts,
+            unsigned, over the same: in these steps and the one after them, or in the
+            worst of those `AROUND`, for a body that tumbles gains and loses by turns.
         native: Whether MuJoCo's own contacts pushed.
     """
 
@@ -53,6 +57,14 @@ def stretches(evidence: Evidence) -> Iterator[Stretch]:
             last=int(end) - 1,
             growth=float(np.cumsum(gained).max()) / scale,
             # with the step after, whose speeds the impacts have left
-            integration=float(evidence.integration[first : end + 1].sum()) / scale,
+            integration=max(
+                float(evidence.integration[first : end + 1].sum()),
+                float(
+                    evidence.integration[
+                        max(0, first - AROUND) : end + 1 + AROUND
+                    ].max()
+                ),
+            )
+            / scale,
             native=native,
         )
