@@ -48,32 +48,36 @@ ArmFlights::ArmFlights(const mjModel* m, mjData* d, const Motion& motion, const 
   mjtNum* bias = scratch.Zeros(nv);
   mj_rne(m, d, 0, bias);
   mju_addTo(force_, bias, nv);
+  Begin(0, d->qpos, motion.velocity);
 }
 
 template <typename Visit>
-void ArmFlights::ForStruck(Visit visit) const {
+void ArmFlights::ForEach(const bool* which, Visit visit) const {
   for (int tree = 0; tree < m_->ntree; ++tree) {
-    if (struck_[tree]) visit(tree);
+    if (which[tree]) visit(tree);
+  }
+}
+
+// Both twins are there at time t.
+void ArmFlights::Begin(mjtNum t, const mjtNum* qpos, const mjtNum* qvel) {
+  time_ = t;
+  for (const Twin* twin : {&now_, &unstruck_}) {
+    mju_copy(twin->qpos, qpos, m_->nq);
+    ForEach(flies_, [&](int tree) {
+      const int begin = m_->tree_dofadr[tree];
+      mju_copy(twin->qvel + begin, qvel + begin, m_->tree_dofnum[tree]);
+    });
   }
 }
 
 void ArmFlights::Add(mjData* d, int tree, mjtNum t, const mjtNum* velocity, const mjtNum* kick,
                      const mjtNum* moment) {
+  if (!followed_) {
+    Begin(t, d->qpos, velocity);
+    followed_ = true;
+  }
+  struck_[tree] = any_ = true;
   const int begin = m_->tree_dofadr[tree], dofs = m_->tree_dofnum[tree];
-  if (!any_) {
-    mju_copy(now_.qpos, d->qpos, m_->nq);
-    mju_copy(unstruck_.qpos, d->qpos, m_->nq);
-    any_ = true;
-    time_ = t;
-  }
-  if (!struck_[tree]) {
-    struck_[tree] = true;
-    const int first = FirstPosition(m_, tree), number = PositionNumber(m_, tree);
-    for (const Twin* twin : {&now_, &unstruck_}) {
-      mju_copy(twin->qpos + first, d->qpos + first, number);
-      mju_copy(twin->qvel + begin, velocity + begin, dofs);
-    }
-  }
   mju_addTo(now_.qvel + begin, kick, dofs);
   // the impulse came t_P = moment / impulse instead of t: Δq = (t − t_P) ΔV
   Scratch scratch(d);
@@ -83,7 +87,7 @@ void ArmFlights::Add(mjData* d, int tree, mjtNum t, const mjtNum* velocity, cons
 }
 
 void ArmFlights::Place(mjData* d, mjtNum t, Motion& path) {
-  if (!any_) return;
+  if (!followed_) return;
   Scratch scratch(d);
   const int nq = static_cast<int>(m_->nq), nv = static_cast<int>(m_->nv);
   mjtNum *qpos = scratch.Take<mjtNum>(nq), *qvel = scratch.Take<mjtNum>(nv);
@@ -95,7 +99,7 @@ void ArmFlights::Place(mjData* d, mjtNum t, Motion& path) {
     const InertiaThere restored(m_, d, scratch);
     FindRate(d, now_, rate, acceleration);
   }
-  ForStruck([&](int tree) {
+  ForEach(flies_, [&](int tree) {
     const int begin = m_->tree_dofadr[tree], dofs = m_->tree_dofnum[tree];
     const int first = FirstPosition(m_, tree);
     mju_copy(qpos + first, now_.qpos + first, PositionNumber(m_, tree));
@@ -120,7 +124,7 @@ bool ArmFlights::FlyToEnd(mjData* d) {
 
 void ArmFlights::Finish(State& state) const {
   if (!any_) return;
-  ForStruck([&](int tree) {
+  ForEach(struck_, [&](int tree) {
     const int begin = m_->tree_dofadr[tree], dofs = m_->tree_dofnum[tree];
     mju_copy(state.correction() + begin, moved_ + begin, dofs);
     mju_copy(state.held_force() + begin, faster_ + begin, dofs);
@@ -156,8 +160,13 @@ void ArmFlights::FlyTo(mjData* d, mjtNum t) {
   const InertiaThere restored(m_, d, scratch);
   for (int i = 0; i < substeps; ++i) {
     Advance(d, time / substeps, unstruck_);
+    if (!any_) continue;
     Advance(d, time / substeps, now_);
     if (time > 0) Resist(d, time / substeps);
+  }
+  if (!any_) {
+    mju_copy(now_.qpos, unstruck_.qpos, m_->nq);
+    mju_copy(now_.qvel, unstruck_.qvel, m_->nv);
   }
 }
 
@@ -183,7 +192,7 @@ void ArmFlights::Advance(mjData* d, mjtNum time, const Twin& twin) {
   mj_normalizeQuat(m_, twin.qpos);
 }
 
-// v' = M⁻¹(τ − c) of the trees that were struck, 0 of others; leaves their inertia in `d`.
+// v' = M⁻¹(τ − c) of the trees that fly, 0 of others; leaves their inertia in `d`.
 void ArmFlights::FindRate(mjData* d, const Twin& twin, mjtNum* qpos_rate, mjtNum* acceleration) {
   ++evaluations_;
   mju_copy(d->qpos, twin.qpos, m_->nq);
@@ -198,7 +207,7 @@ void ArmFlights::FindRate(mjData* d, const Twin& twin, mjtNum* qpos_rate, mjtNum
   mj_rne(m_, d, 0, bias);
   mju_zero(qpos_rate, m_->nq);
   mju_zero(acceleration, m_->nv);
-  ForStruck([&](int tree) {
+  ForEach(flies_, [&](int tree) {
     const int begin = m_->tree_dofadr[tree];
     mju_sub(acceleration + begin, force_ + begin, bias + begin, m_->tree_dofnum[tree]);
     SolveTreeInertia(m_, d, tree, acceleration + begin);
@@ -250,7 +259,7 @@ void ArmFlights::Resist(mjData* d, mjtNum time) {
   }
   if (!any) return;
   SolveDamped(m_, d, damped ? time : 0, momentum, scratch);
-  ForStruck([&](int tree) {
+  ForEach(struck_, [&](int tree) {
     const int begin = m_->tree_dofadr[tree];
     mju_add(now_.qvel + begin, unstruck_.qvel + begin, momentum + begin, m_->tree_dofnum[tree]);
   });

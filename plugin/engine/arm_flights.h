@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Trees of several joints that fly (flights.h), struck and unstruck.
 //
-// Both twins follow the equations of motion by MuJoCo's own functions,
+// From the first impact on in which one of them takes part they are followed from the start of the
+// step: V and a of a path (motion.h) are not enough for what turns by a tenth of a radian. Both
+// twins follow the equations of motion by MuJoCo's own functions,
 //
 //   q' = v    M(q) v' + c(q, v) = τ,    τ = M(q₀) a₀ + c(q₀, v₀)
 //
@@ -33,6 +35,7 @@ class ArmFlights {
   bool Has(int tree) const { return flies_ && flies_[tree]; }
 
   // As in Flights; t is the time at which the bodies are in `d`.
+  void Follow() { followed_ = flies_ != nullptr; }
   void Add(mjData* d, int tree, mjtNum t, const mjtNum* velocity, const mjtNum* kick,
            const mjtNum* moment);
   void Place(mjData* d, mjtNum t, Motion& path);
@@ -43,24 +46,26 @@ class ArmFlights {
   double TakeWork();
 
  private:
-  // Of all trees: position (nq) and velocity (nv), zero for those that were not struck.
+  // Of all trees: position (nq) and velocity (nv), zero for those that do not fly.
   struct Twin {
     mjtNum *qpos, *qvel;
   };
 
+  void Begin(mjtNum t, const mjtNum* qpos, const mjtNum* qvel);
   void FlyTo(mjData* d, mjtNum t);
   void Advance(mjData* d, mjtNum time, const Twin& twin);
   void FindRate(mjData* d, const Twin& twin, mjtNum* qpos_rate, mjtNum* acceleration);
   void FindPositionRate(int tree, const Twin& twin, mjtNum* qpos_rate) const;
   void Resist(mjData* d, mjtNum time);
   template <typename Visit>
-  void ForStruck(Visit visit) const;
+  void ForEach(const bool* which, Visit visit) const;
 
   const mjModel* m_ = nullptr;
   bool *flies_ = nullptr, *struck_ = nullptr;  // (ntree)
-  bool any_ = false;                           // was struck
-  mjtNum time_ = 0;                            // up to which the twins have flown [s]
-  mjtNum* force_ = nullptr;                    // τ (nv)
+  bool followed_ = false;
+  bool any_ = false;         // was struck
+  mjtNum time_ = 0;          // up to which the twins have flown [s]
+  mjtNum* force_ = nullptr;  // τ (nv)
   Twin now_{}, unstruck_{};
   mjtNum *moved_ = nullptr, *faster_ = nullptr;  // by the end of the step (nv)
   double evaluations_ = 0;

@@ -51,8 +51,11 @@ class Flights {
   void Add(mjData* d, int tree, mjtNum t, const mjtNum* velocity, const mjtNum* kick,
            const mjtNum* moment);
 
-  // Puts the bodies that were struck where they are at time t: position and velocity in `d`, and
-  // the same velocity and its rate in `path`.
+  // Arms take part in the impact at hand.
+  void FollowArms() { arms_.Follow(); }
+
+  // Puts the bodies that were struck or are followed where they are at time t: position and
+  // velocity in `d`, and the same velocity and its rate in `path`.
   void Place(mjData* d, mjtNum t, Motion& path);
 
   // Flies on to the end of the step; whether that has moved bodies in `d`.

@@ -74,6 +74,7 @@ class Resolver {
   IslandSystem SolveIsland(const Outlook& outlook, ImpactTime time, const int* position, int count,
                            Impact* impacts, Scratch& scratch);
   mjtNum CentreOf(const Outlook& outlook, const ImpactTime& time, const int* position, int count);
+  bool HasArms(const int* position, int count) const;
   void GoToCentre(Outlook& outlook, const ImpactTime& time, const int* position, int count);
   bool ResolveIslandOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
   void ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
@@ -243,18 +244,21 @@ mjtNum Resolver::CentreOf(const Outlook& outlook, const ImpactTime& time, const 
   return impulse > 0 ? moment / impulse - time.start - time.tau : 0;
 }
 
-// The inertia of arms turns with them while they are pushed, and an impulse that comes all at once
-// keeps their energy only where it comes: so they are moved on from where a contact closes to the
-// middle of its impact.
-void Resolver::GoToCentre(Outlook& outlook, const ImpactTime& time, const int* position,
-                          int count) {
-  const bool arms = std::any_of(position, position + count, [this](int i) {
+bool Resolver::HasArms(const int* position, int count) const {
+  return std::any_of(position, position + count, [this](int i) {
     const ContactTrees trees = TreesOf(m_, *contacts_.contact[i]);
     return std::any_of(trees.tree, trees.tree + 2, [this](int tree) {
       return tree >= 0 && flights_.Has(tree) && !flights_.IsRigid(tree);
     });
   });
-  if (!arms) return;
+}
+
+// The inertia of arms turns with them while they are pushed, and an impulse that comes all at once
+// keeps their energy only where it comes: so they are moved on from where a contact closes to the
+// middle of its impact.
+void Resolver::GoToCentre(Outlook& outlook, const ImpactTime& time, const int* position,
+                          int count) {
+  if (!HasArms(position, count)) return;
   const mjtNum start = outlook.start;
   const mjtNum centre = start + time.tau + CentreOf(outlook, time, position, count);
   outlook = bodies_.MoveTo(centre, impacts_, kicks_, struck_.owed());
@@ -352,6 +356,7 @@ bool Resolver::Approach(Outlook& outlook, const ImpactTime& time, const int* pos
   AnchorAll();
   budget_.SpendRound(m_, contacts_);
   budget_.Spend(flights_.TakeWork());
+  if (HasArms(position, count)) flights_.FollowArms();
   outlook = bodies_.MoveTo(time.start + time.tau, impacts_, kicks_, struck_.owed());
   struck_.BeginRound(outlook.motion);
   budget_.SpendPairs(FindPointsAgain(m_, d_, position, count, contacts_));
