@@ -116,8 +116,12 @@ bool ArmFlights::FlyToEnd(mjData* d) {
   const mjtNum h = m_->opt.timestep;
   FlyTo(d, h);
   mj_differentiatePos(m_, moved_, 1, unstruck_.qpos, now_.qpos);
-  // the velocities of MuJoCo's bodies are behind their path
-  FlyTo(d, h - PathLag(m_));
+  // the velocities of MuJoCo's bodies are behind their path, by forces at the pose that it has
+  if (PathLag(m_) > 0) {
+    Scratch scratch(d);
+    const InertiaThere restored(m_, d, scratch);
+    for (const Twin& twin : {now_, unstruck_}) Advance(d, -PathLag(m_), false, twin);
+  }
   mju_sub(faster_, now_.qvel, unstruck_.qvel, static_cast<int>(m_->nv));
   return true;
 }
@@ -159,9 +163,9 @@ void ArmFlights::FlyTo(mjData* d, mjtNum t) {
   Scratch scratch(d);
   const InertiaThere restored(m_, d, scratch);
   for (int i = 0; i < substeps; ++i) {
-    Advance(d, time / substeps, unstruck_);
+    Advance(d, time / substeps, true, unstruck_);
     if (!any_) continue;
-    Advance(d, time / substeps, now_);
+    Advance(d, time / substeps, true, now_);
     if (time > 0) Resist(d, time / substeps);
   }
   if (!any_) {
@@ -170,8 +174,8 @@ void ArmFlights::FlyTo(mjData* d, mjtNum t) {
   }
 }
 
-// The classical Runge-Kutta method.
-void ArmFlights::Advance(mjData* d, mjtNum time, const Twin& twin) {
+// The classical Runge-Kutta method; `moves`: not only the velocities.
+void ArmFlights::Advance(mjData* d, mjtNum time, bool moves, const Twin& twin) {
   const int nq = static_cast<int>(m_->nq), nv = static_cast<int>(m_->nv);
   constexpr mjtNum kNext[4] = {0.5, 0.5, 1, 0}, kWeight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
   Scratch scratch(d);
@@ -184,6 +188,7 @@ void ArmFlights::Advance(mjData* d, mjtNum time, const Twin& twin) {
   }
   for (int i = 0; i < 4; ++i) {
     FindRate(d, stage, rate.qpos, rate.qvel);
+    if (!moves) mju_zero(rate.qpos, nq);
     mju_addToScl(twin.qpos, rate.qpos, kWeight[i] * time, nq);
     mju_addToScl(twin.qvel, rate.qvel, kWeight[i] * time, nv);
     mju_addScl(stage.qpos, start.qpos, rate.qpos, kNext[i] * time, nq);
