@@ -25,6 +25,15 @@ mjtNum SpringOf(const mjModel* m, int dof) {
   return scalar && !off ? m->jnt_stiffness[joint] : 0;
 }
 
+bool Resists(const mjModel* m, int tree) {
+  const int begin = m->tree_dofadr[tree], end = begin + m->tree_dofnum[tree];
+  const bool damped = !(m->opt.disableflags & mjDSBL_DAMPER);
+  for (int i = begin; i < end; ++i) {
+    if ((damped && m->dof_damping[i] > 0) || SpringOf(m, i) > 0) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 ArmFlights::ArmFlights(const mjModel* m, mjData* d, const Motion& motion, const Hold* held,
@@ -34,6 +43,7 @@ ArmFlights::ArmFlights(const mjModel* m, mjData* d, const Motion& motion, const 
   bool any = false;
   for (int tree = 0; tree < m->ntree; ++tree) {
     any |= flies[tree] = MayFly(m, d, tree, held[tree]);
+    resists_ |= flies[tree] && Resists(m, tree);
   }
   if (!any) return;
   const int nq = static_cast<int>(m->nq), nv = static_cast<int>(m->nv);
@@ -147,9 +157,10 @@ double ArmFlights::TakeWork() {
 }
 
 // In substeps that turn by at most 1/10 rad: the error of the classical Runge-Kutta method is then
-// below 1e-7 of the velocities.
+// below 1e-7 of the velocities. Springs and dampers are split off, half before and half after.
 void ArmFlights::FlyTo(mjData* d, mjtNum t) {
   constexpr mjtNum kMostTurn = 0.1, kMostSubsteps = 10;
+  constexpr int kOfResistance = 4;
   const mjtNum time = t - time_;
   time_ = t;
   if (std::abs(time) <= 1e-12 * m_->opt.timestep) return;
@@ -159,14 +170,16 @@ void ArmFlights::FlyTo(mjData* d, mjtNum t) {
     fastest = std::max({fastest, std::abs(now_.qvel[i]), std::abs(unstruck_.qvel[i])});
   }
   const mjtNum turn = std::min(kMostSubsteps - 1, std::abs(time) * fastest / kMostTurn);
-  const int substeps = 1 + static_cast<int>(turn);
+  const bool resist = any_ && resists_ && time > 0;
+  const int substeps = std::max(1 + static_cast<int>(turn), resist ? kOfResistance : 1);
   Scratch scratch(d);
   const InertiaThere restored(m_, d, scratch);
   for (int i = 0; i < substeps; ++i) {
     Advance(d, time / substeps, true, unstruck_);
     if (!any_) continue;
+    if (resist) Resist(d, time / substeps / 2);
     Advance(d, time / substeps, true, now_);
-    if (time > 0) Resist(d, time / substeps);
+    if (resist) Resist(d, time / substeps / 2);
   }
   if (!any_) {
     mju_copy(now_.qpos, unstruck_.qpos, m_->nq);
@@ -249,20 +262,15 @@ void ArmFlights::Resist(mjData* d, mjtNum time) {
   const int nv = static_cast<int>(m_->nv);
   Scratch scratch(d);
   mjtNum *difference = scratch.Take<mjtNum>(nv), *momentum = scratch.Zeros(nv);
-  bool any = false;
   mju_sub(difference, now_.qvel, unstruck_.qvel, nv);
   mj_mulM(m_, d, momentum, difference);
-  const bool damped = !(m_->opt.disableflags & mjDSBL_DAMPER);
   for (int i = 0; i < nv; ++i) {
-    if (!struck_[m_->dof_treeid[i]]) continue;
-    any = any || (damped && m_->dof_damping[i] > 0);
-    const mjtNum stiffness = SpringOf(m_, i);
+    const mjtNum stiffness = struck_[m_->dof_treeid[i]] ? SpringOf(m_, i) : 0;
     if (stiffness == 0) continue;
-    any = true;
     const int position = m_->jnt_qposadr[m_->dof_jntid[i]];
     momentum[i] -= time * stiffness * (now_.qpos[position] - unstruck_.qpos[position]);
   }
-  if (!any) return;
+  const bool damped = !(m_->opt.disableflags & mjDSBL_DAMPER);
   SolveDamped(m_, d, damped ? time : 0, momentum, scratch);
   ForEach(struck_, [&](int tree) {
     const int begin = m_->tree_dofadr[tree];

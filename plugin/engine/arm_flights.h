@@ -63,6 +63,7 @@ class ArmFlights {
   const mjModel* m_ = nullptr;
   bool *flies_ = nullptr, *struck_ = nullptr;  // (ntree)
   bool followed_ = false;
+  bool resists_ = false;     // one has springs or dampers
   bool any_ = false;         // was struck
   mjtNum time_ = 0;          // up to which the twins have flown [s]
   mjtNum* force_ = nullptr;  // τ (nv)

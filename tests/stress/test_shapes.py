@@ -20,12 +20,6 @@ BY_NAME = {invariant.name: invariant for invariant in SHAPES.invariants}
 
 SEEDS = range(100, 160)
 
-BROKEN = {
-    # seed 154: 7e-6 of the energy, a free body that touches in two points under RK4
-    "impact energy": "the second of two impacts in a step is found to second order",
-}
-"""Promises that the engine does not keep yet, by why."""
-
 BALL = Case(
     seed=1,
     trees=(Tree(number=0, joint="free", shapes=("sphere",), links=1),),
@@ -54,18 +48,7 @@ def outcomes():
     return sweep(SEEDS, family=SHAPES, methods=(OURS,))
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(
-            name,
-            marks=pytest.mark.xfail(reason=BROKEN[name], strict=False)
-            if name in BROKEN
-            else (),
-        )
-        for name in BY_NAME
-    ],
-)
+@pytest.mark.parametrize("name", BY_NAME)
 def test_random_shapes_keep_their_promises(outcomes, name):
     broken = [
         f"{verdict.value:.3g} in {outcome.case.describe()}"
