@@ -28,8 +28,8 @@ def _diverges_alone(evidence: Evidence) -> bool:
         return True
     # the energies of the last states of such a run may be anything
     with np.errstate(all="ignore"):
-        sound = np.isfinite(evidence.energy).all(axis=1)
-        steps = np.flatnonzero(sound[1:] & sound[:-1])
+        sound = np.isfinite(evidence.energy.sum(axis=1))
+        steps = np.flatnonzero(np.logical_and(sound[1:], sound[:-1]))
         free = float(evidence.integration[steps].sum())
         ours = float(np.abs(evidence.gained[steps]).sum())
         return free > ours and free > evidence.kinetic_at_start
