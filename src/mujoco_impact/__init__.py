@@ -28,7 +28,7 @@ from mujoco_impact.trajectory import Trajectory  # noqa: E402
 if TYPE_CHECKING:
     from mujoco_impact import calibration, envs, law, metrics, reference, sensor, video
     from mujoco_impact.calibration import Calibration, calibrate
-    from mujoco_impact.compare import Comparison, compare
+    from mujoco_impact.comparing.compare import Comparison, compare
     from mujoco_impact.rollouts import Rollouts, rollout
 
     __version__: str
@@ -64,10 +64,10 @@ __all__ = [
 _MODULES = ("calibration", "envs", "law", "metrics", "reference", "sensor", "video")
 _MEMBERS = {
     "Calibration": "calibration",
-    "Comparison": "compare",
+    "Comparison": "comparing.compare",
     "Rollouts": "rollouts",
     "calibrate": "calibration",
-    "compare": "compare",
+    "compare": "comparing.compare",
     "rollout": "rollouts",
 }
 
@@ -84,11 +84,9 @@ def __getattr__(name: str) -> Any:
     if name in _MODULES:
         return importlib.import_module(f"mujoco_impact.{name}")
     if name in _MEMBERS:
-        source = _MEMBERS[name]
-        module = importlib.import_module(f"mujoco_impact.{source}")
-        # the function, not the module of the same name, is what users mean
-        members = [key for key in _MEMBERS if _MEMBERS[key] == source]
-        globals().update({key: getattr(module, key) for key in members})
+        # no module has the name of a function: importing it would hide the function
+        module = importlib.import_module(f"mujoco_impact.{_MEMBERS[name]}")
+        globals()[name] = getattr(module, name)
         return globals()[name]
     raise AttributeError(f"module 'mujoco_impact' has no attribute {name!r}")
 

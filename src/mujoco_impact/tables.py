@@ -104,8 +104,9 @@ def _speeds(velocities: Array | None, count: int, line: Array | None) -> list[st
 
 
 def _speed(value: float) -> str:
-    """Returns a speed with three decimals and no negative zero."""
-    return f"{value if abs(value) >= 5e-4 else 0.0:.3f}"
+    """Returns a speed with three decimals, less if it is large, no negative zero."""
+    decimals = max(0, 3 - max(0, len(str(int(abs(value)))) - 1))
+    return f"{value if abs(value) >= 5e-4 else 0.0:.{decimals}f}"
 
 
 def velocity_table(comparison: Comparison) -> Table:
@@ -220,7 +221,11 @@ _CELLS: dict[str, Callable[[dict[str, Any]], str]] = {
     "run time\n[ms/s]": lambda row: (
         NOTHING if row["run_time"] is None else f"{row['run_time'] * 1e3:.2f}"
     ),
-    "ratio": lambda row: NOTHING if row["cost"] is None else f"{row['cost']:.2f}",
+    "ratio": lambda row: (
+        NOTHING
+        if row["cost"] is None
+        else f"{row['cost']:.{2 if row['cost'] < 100 else 0}f}"
+    ),
 }
 """Columns of the table of a comparison, and what stands in them."""
 

@@ -9,9 +9,8 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import cradle_models
-from mujoco_impact import attach
+from mujoco_impact import attach, compare
 from mujoco_impact.cli import app
-from mujoco_impact.compare import compare
 from mujoco_impact.comparison import OURS
 from mujoco_impact.errors import ConfigError
 from mujoco_impact.source import read_spec

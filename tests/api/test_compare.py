@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import cradle_models
+from mujoco_impact import compare
 from mujoco_impact.baselines import baselines
-from mujoco_impact.compare import compare
 from mujoco_impact.comparison import OURS, Comparison
 from mujoco_impact.errors import SceneError
 from mujoco_impact.pendulums import find_row

@@ -15,10 +15,9 @@ import pytest
 from typer.testing import CliRunner
 
 import mujoco_impact
-from mujoco_impact import attach, run
+from mujoco_impact import attach, compare, run
 from mujoco_impact.baselines import baselines
 from mujoco_impact.cli import app
-from mujoco_impact.compare import compare
 from mujoco_impact.errors import SceneError
 from mujoco_impact.instances import our_instances
 from mujoco_impact.ownership import owned_geoms

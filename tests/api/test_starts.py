@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pkgutil
+
 import mujoco
 import numpy as np
 import pytest
@@ -74,6 +76,10 @@ def test_the_public_names_are_there() -> None:
     assert set(mujoco_impact.__all__) <= set(dir(mujoco_impact))
     for name in mujoco_impact.__all__:
         assert getattr(mujoco_impact, name) is not None
+    modules = {one.name for one in pkgutil.iter_modules(mujoco_impact.__path__)}
+    functions = {"attach", "compare", "calibrate", "rollout", "run", "detach"}
+    # a module of that name would hide the function once it is imported
+    assert not modules & functions
     assert mujoco_impact.__version__.count(".") == 2
     assert mujoco_impact.detach(attach("row_3")).compile().nplugin == 0
 

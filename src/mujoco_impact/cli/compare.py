@@ -46,7 +46,7 @@ from mujoco_impact.cli.scenes import (
     read_scene,
     start_keyframe,
 )
-from mujoco_impact.compare import compare as compare_scene
+from mujoco_impact.comparing.compare import compare as compare_scene
 from mujoco_impact.comparison import Comparison
 from mujoco_impact.errors import ComparisonInterrupted, ImpactError
 from mujoco_impact.extras import require_matplotlib
@@ -271,7 +271,7 @@ def _notes(comparison: Comparison) -> list[str]:
     lines += [comparison.headline()] if comparison.headline() else []
     lines += [comparison.note] if comparison.note else []
     lines.append(
-        f"first impact at {comparison.first.time:.4g} s with "
+        f"first impact at {max(0.0, comparison.first.time):.4g} s with "
         f"v0 = {comparison.impact_speed:.4f} m/s; impacts slower than "
         f"{comparison.slowest:.2g} m/s are not counted; energy lost in impacts is in "
         f"parts of all energy of motion, {comparison.energy_scale:.3g} J"

@@ -1,13 +1,15 @@
 """The first impact of a scene: who takes part, and how fast before and after.
 
-An impact shows in the velocities: they jump. It is over once no body that takes part
-changes its velocity by more than gravity and the like would, for `QUIET` steps. That
-holds for contacts that are over within a step as for those that last twenty.
+Ours are those that follow on one another without a pause of a step. MuJoCo's contacts
+last many steps, and no record tells which: an impact shows in the velocities. It is
+over once no body that takes part changes its velocity by more than gravity and the like
+would, for `QUIET` steps.
 """
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
@@ -39,6 +41,7 @@ class FirstImpact:
         meetings: All the impacts that belong to it.
         before: Number of the last sample before it.
         after: Number of the first sample after it.
+        alone: Whether no earlier pulse is under way, and its own are over by then.
     """
 
     time: float
@@ -48,17 +51,17 @@ class FirstImpact:
     meetings: tuple[Meeting, ...]
     before: int
     after: int
+    alone: bool
 
 
 def find_first_impact(
-    model: mujoco.MjModel, motion: Trajectory, seen: Survey, geom_ids: dict[str, int]
+    model: mujoco.MjModel, motion: Trajectory, geom_ids: dict[str, int]
 ) -> FirstImpact | None:
     """Returns the first impact of our motion that is faster than rest, None if none is.
 
     Args:
         model: The scene without the plugin.
         motion: Our motion.
-        seen: What was seen of it.
         geom_ids: Ids of the geoms by the names that impacts call them.
     """
     found = met(motion.impacts, motion.timestep)
@@ -66,33 +69,29 @@ def find_first_impact(
     first = next((one for one in found if one.closing_speed > rest), None)
     if first is None:
         return None
-    before = step_of(motion.time, first.time)
-    bodies = _bodies(model, first, geom_ids)
-    after, belonging = before, [first]
-    trees = model.body_treeid
-    while True:
-        after = _end(model, motion, seen, before, bodies, first.closing_speed)
-        belonging = [
-            one
-            for one in found
-            if first.time <= one.time <= motion.time[after]
-            and {trees[b] for b in _bodies(model, one, geom_ids)}
-            & {trees[b] for b in bodies}
-        ]
-        more = [b for one in belonging for b in _bodies(model, one, geom_ids)]
-        grown = tuple(dict.fromkeys([*bodies, *more]))
-        if grown == bodies:
-            break
-        bodies = grown
+    step = float(motion.time[1] - motion.time[0])
+    group = _group(model, found, first, geom_ids, step)
+    end = max(meeting.time + meeting.duration for meeting in group)
+    before = step_of(motion.time, min(meeting.time for meeting in group))
+    after = max(before + 1, int(np.searchsorted(motion.time, end)))
+    struck = [body for one in group for body in _bodies(model, one, geom_ids)]
+    bodies = tuple(dict.fromkeys(struck))
+    pressed = any(
+        one.time < first.time < one.time + one.duration
+        and set(_bodies(model, one, geom_ids)) & set(bodies)
+        for one in found
+        if one not in group
+    )
     one, other = (geom_ids[name] for name in first.geoms)
     return FirstImpact(
         time=first.time,
         closing_speed=first.closing_speed,
         geoms=(one, other),
         bodies=bodies,
-        meetings=tuple(belonging),
+        meetings=tuple(group),
         before=before,
-        after=after,
+        after=min(after, len(motion.time) - 1),
+        alone=not pressed and after < len(motion.time),
     )
 
 
@@ -120,6 +119,39 @@ def window_of(
         return None
     before = begun[0]
     return before, _end(model, motion, seen, before, first.bodies, first.closing_speed)
+
+
+def _group(
+    model: mujoco.MjModel,
+    found: Sequence[Meeting],
+    first: Meeting,
+    geom_ids: dict[str, int],
+    step: float,
+) -> list[Meeting]:
+    """Returns the impacts that follow on one another without a pause of a step.
+
+    They share bodies, or bodies that hang on the same free one.
+    """
+    trees = {
+        id(one): {int(model.body_treeid[b]) for b in _bodies(model, one, geom_ids)}
+        for one in found
+    }
+    group, joined = [first], trees[id(first)]
+    begin, end = first.time, first.time + first.duration
+    while True:
+        more = [
+            one
+            for one in found
+            if one not in group
+            and begin <= one.time + step / 2
+            and one.time <= end + step
+            and trees[id(one)] & joined
+        ]
+        if not more:
+            return sorted(group, key=lambda one: one.time)
+        group += more
+        joined = joined.union(*(trees[id(one)] for one in more))
+        end = max(end, *(one.time + one.duration for one in more))
 
 
 def _bodies(

@@ -115,9 +115,9 @@ class _Scene:
     ) -> None:
         self._model, self._motion = model, motion
         self._first, self._material = first, material
+        self._seen = seen
         sample = first.before
-        self.free = _free_acceleration(model, motion, seen, first)
-        self.velocity = velocities_at(motion, seen, sample, first.bodies, self.free)
+        self.free = _free_acceleration(model, motion, seen, first.before, first.bodies)
         self._data = mujoco.MjData(model)
         self._data.qpos[:] = motion.qpos[sample]
         self._data.qvel[:] = motion.qvel[sample]
@@ -126,63 +126,63 @@ class _Scene:
 
     def reference(self) -> ImpactReference:
         """Returns the reference."""
+        if not self._first.alone:
+            raise _NoReference("other impacts are under way, or the run ends in it")
         if not self._material.hertz:
             raise _NoReference("the law is not that of Hertz contacts")
         if self._model.neq and self._data.ne:
             raise _NoReference("bodies are tied to each other")
-        alone = len(self._first.meetings) == 1 and self._first.meetings[0].points == 1
-        spheres = self._spheres()
-        if not alone and spheres is None:
-            raise _NoReference(
-                "several contacts of bodies other than free spheres act together"
-            )
-        self._check_beside(alone)
-        if alone:
+        for meeting in self._first.meetings:
+            self._check_slip(meeting.geoms)
+        beside = self._beside()
+        meetings = self._first.meetings
+        if len(meetings) == 1 and meetings[0].points == 1 and not beside:
             return self._closed_form()
         if self._material.restitution < 1.0:
             raise _NoReference("several contacts lose energy together")
-        return self._hertz(spheres or [])
+        return self._hertz(beside)
 
-    def _spheres(self) -> list[int] | None:
-        """Returns the sphere of each body; None if it has another shape or joint."""
-        model, found = self._model, []
-        for body in self._first.bodies:
-            geoms = _colliding(model, body)
-            joints = range(
-                model.body_jntadr[body],
-                model.body_jntadr[body] + model.body_jntnum[body],
+    def _sphere_of(self, body: int) -> int:
+        """Returns the geom of a body that is a single sphere, free or on slides."""
+        model = self._model
+        geoms = _colliding(model, body)
+        joints = _joints(model, body)
+        kinds = {int(model.jnt_type[joint]) for joint in joints}
+        free = kinds == {int(mujoco.mjtJoint.mjJNT_FREE)}
+        slides = kinds == {int(mujoco.mjtJoint.mjJNT_SLIDE)}
+        whole = (
+            len(geoms) == 1
+            and model.geom_type[geoms[0]] == mujoco.mjtGeom.mjGEOM_SPHERE
+            and model.body_parentid[body] == 0
+            and np.allclose(
+                self._data.xipos[body], self._data.geom_xpos[geoms[0]], atol=1e-9
             )
-            kinds = {int(model.jnt_type[joint]) for joint in joints}
-            free = kinds == {int(mujoco.mjtJoint.mjJNT_FREE)}
-            slides = kinds == {int(mujoco.mjtJoint.mjJNT_SLIDE)}
-            whole = (
-                len(geoms) == 1
-                and model.geom_type[geoms[0]] == mujoco.mjtGeom.mjGEOM_SPHERE
-                and model.body_parentid[body] == 0
-                and np.allclose(
-                    self._data.xipos[body], self._data.geom_xpos[geoms[0]], atol=1e-9
-                )
-            )
-            if not (whole and (free or slides)):
-                return None
-            found.append(geoms[0])
-        return found
+        )
+        if not (whole and (free or slides)):
+            msg = "several contacts of bodies other than free spheres act together"
+            raise _NoReference(msg)
+        return geoms[0]
 
-    def _check_beside(self, alone: bool) -> None:
-        """Raises if friction, or bodies that touch, would change the outcome."""
+    def _beside(self) -> set[int]:
+        """Returns the geoms that touch the bodies of the impact, and one another."""
+        bodies, found = set(self._first.bodies), set[int]()
         taking = {frozenset(one.geoms) for one in self._first.meetings}
-        bodies = set(self._first.bodies)
-        for contact in self._data.contact:
-            ids = contact.geom.tolist()
-            names = frozenset(geom_name(self._model, geom) for geom in ids)
-            owners = {int(self._model.geom_bodyid[geom]) for geom in ids}
-            if contact.dist > REST or not owners & bodies or names in taking:
-                continue
-            if alone or contact.dim > 1:
-                one, other = sorted(names)
-                raise _NoReference(f"{one!r} also touches {other!r}")
-        for meeting in self._first.meetings:
-            self._check_slip(meeting.geoms)
+        while True:
+            before = len(found)
+            for contact in self._data.contact:
+                ids = contact.geom.tolist()
+                names = frozenset(geom_name(self._model, geom) for geom in ids)
+                owners = {int(self._model.geom_bodyid[geom]) for geom in ids}
+                if contact.dist > REST or not owners & bodies or names in taking:
+                    continue
+                if contact.dim > 1:
+                    one, other = sorted(names)
+                    msg = f"{one!r} also touches {other!r}, with friction"
+                    raise _NoReference(msg)
+                found.update(ids)
+                bodies |= {b for b in owners if self._model.body_weldid[b] != 0}
+            if len(found) == before:
+                return found
 
     def _check_slip(self, names: tuple[str, str]) -> None:
         """Raises if there is friction at a contact, and something slides there."""
@@ -280,37 +280,25 @@ class _Scene:
                     return sign * contact.frame[:3], contact.pos.copy()
             raise
 
-    def _hertz(self, geoms: list[int]) -> ImpactReference:
-        """Returns the elastic impact of spheres and planes."""
-        model, data, first = self._model, self._data, self._first
-        spheres = []
-        for number, (body, geom) in enumerate(zip(first.bodies, geoms, strict=True)):
-            joints = slice(
-                model.body_jntadr[body],
-                model.body_jntadr[body] + model.body_jntnum[body],
-            )
-            slides = model.jnt_type[joints.start] == mujoco.mjtJoint.mjJNT_SLIDE
-            spheres.append(
-                Sphere(
-                    mass=float(model.body_mass[body]),
-                    radius=float(model.geom_size[geom, 0]),
-                    position=data.geom_xpos[geom].copy(),
-                    velocity=self.velocity[number],
-                    acceleration=self.free[number],
-                    directions=data.xaxis[joints].copy() if slides else np.eye(3),
-                )
-            )
-        planes = []
-        for geom in {self._geom(name) for one in first.meetings for name in one.geoms}:
-            if geom in geoms:
-                continue
-            if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_PLANE:
-                raise _NoReference(
-                    f"{geom_name(model, geom)!r} is neither sphere nor plane"
-                )
-            normal = data.geom_xmat[geom].reshape(3, 3)[:, 2].copy()
-            planes.append(Plane(data.geom_xpos[geom].copy(), normal))
-        spheres = [_lifted(one, planes) for one in spheres]
+    def _hertz(self, beside: set[int]) -> ImpactReference:
+        """Returns the elastic impact of spheres and planes.
+
+        Args:
+            beside: Geoms that touch the bodies of the impact.
+        """
+        model, first = self._model, self._first
+        taking = {self._geom(name) for one in first.meetings for name in one.geoms}
+        geoms = sorted(taking | beside)
+        owners = [int(model.geom_bodyid[geom]) for geom in geoms]
+        moving = [body for body in owners if model.body_weldid[body] != 0]
+        bodies = tuple(dict.fromkeys([*first.bodies, *moving]))
+        fixed = [
+            geom
+            for geom, body in zip(geoms, owners, strict=True)
+            if model.body_weldid[body] == 0
+        ]
+        planes = [self._plane(geom) for geom in fixed]
+        spheres = [_lifted(one, planes) for one in self._spheres(bodies)]
         end = float(self._motion.time[first.after])
         left = sphere_velocities(
             spheres,
@@ -319,7 +307,37 @@ class _Scene:
             young=self._material.young,
             poisson=self._material.poisson,
         )
-        return ImpactReference(HERTZ, end, left, self.free)
+        return ImpactReference(HERTZ, end, left[: len(first.bodies)], self.free)
+
+    def _spheres(self, bodies: tuple[int, ...]) -> list[Sphere]:
+        """Returns bodies as spheres of the Hertz problem."""
+        model, data, motion = self._model, self._data, self._motion
+        before = self._first.before
+        free = _free_acceleration(model, motion, self._seen, before, bodies)
+        velocity = velocities_at(motion, self._seen, before, bodies, free)
+        found = []
+        for number, body in enumerate(bodies):
+            geom, joints = self._sphere_of(body), _joints(model, body)
+            slides = model.jnt_type[joints[0]] == mujoco.mjtJoint.mjJNT_SLIDE
+            found.append(
+                Sphere(
+                    mass=float(model.body_mass[body]),
+                    radius=float(model.geom_size[geom, 0]),
+                    position=data.geom_xpos[geom].copy(),
+                    velocity=velocity[number],
+                    acceleration=free[number],
+                    directions=data.xaxis[joints].copy() if slides else np.eye(3),
+                )
+            )
+        return found
+
+    def _plane(self, geom: int) -> Plane:
+        """Returns a fixed geom as a plane of the Hertz problem."""
+        if self._model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_PLANE:
+            name = geom_name(self._model, geom)
+            raise _NoReference(f"{name!r} is neither sphere nor plane")
+        normal = self._data.geom_xmat[geom].reshape(3, 3)[:, 2].copy()
+        return Plane(self._data.geom_xpos[geom].copy(), normal)
 
 
 def _lifted(sphere: Sphere, planes: list[Plane]) -> Sphere:
@@ -339,11 +357,20 @@ def _colliding(model: mujoco.MjModel, body: int) -> list[int]:
     return [g for g in geoms if model.geom_contype[g] or model.geom_conaffinity[g]]
 
 
+def _joints(model: mujoco.MjModel, body: int) -> list[int]:
+    """Returns the joints of a body."""
+    begin = int(model.body_jntadr[body])
+    return list(range(begin, begin + int(model.body_jntnum[body])))
+
+
 def _free_acceleration(
-    model: mujoco.MjModel, motion: Trajectory, seen: Survey, first: FirstImpact
+    model: mujoco.MjModel,
+    motion: Trajectory,
+    seen: Survey,
+    before: int,
+    bodies: tuple[int, ...],
 ) -> Array:
-    """Returns the acceleration of the bodies before the impact [m/s²], shape (n, 3)."""
-    before, bodies = first.before, list(first.bodies)
+    """Returns the acceleration of bodies before an impact [m/s²], shape (n, 3)."""
     if before == 0:
         return np.tile(model.opt.gravity, (len(bodies), 1))
     step = float(motion.time[before] - motion.time[before - 1])

@@ -159,15 +159,14 @@ class _Samples:
         mujoco.mj_fwdPosition(model, data)
         overlaps: dict[Pair, float] = {}
         closing: dict[Pair, float] = {}
-        for contact in data.contact:
-            first, second = sorted(contact.geom.tolist())
-            depth = -float(contact.dist)
-            if first < 0 or depth <= 0.0:
-                continue
-            pair = (first, second)
-            overlaps[pair] = max(depth, overlaps.get(pair, 0.0))
-            if sample:
-                speed = _closing_speed(model, contact, velocity, centre)
+        geoms, depths = data.contact.geom, -data.contact.dist
+        overlapping = np.flatnonzero((depths > 0.0) & (geoms.min(axis=1) >= 0))
+        for index in overlapping.tolist() if data.ncon else ():
+            first, second = geoms[index].tolist()
+            pair = (first, second) if first < second else (second, first)
+            overlaps[pair] = max(float(depths[index]), overlaps.get(pair, 0.0))
+            if sample and pair not in self.overlaps[-1]:
+                speed = _closing_speed(model, data.contact[index], velocity, centre)
                 closing[pair] = max(speed, closing.get(pair, -np.inf))
         self.overlaps.append(overlaps)
         self.closing.append(closing)

@@ -20,6 +20,9 @@ from mujoco_impact.reference.chain import ChainError, FloatArray, hertz_stiffnes
 #: Overlap below which spheres count as touching, over the smallest radius.
 TOUCH = 1e-12
 
+#: Overlap at the start over the smallest radius that is rounding of positions.
+MOST_OVERLAP = 1e-6
+
 #: More contacts in a row than this mean that the spheres stay together.
 MOST_CONTACTS = 50
 
@@ -79,10 +82,14 @@ def sphere_velocities(
         rtol: Relative tolerance of the integration.
 
     Raises:
-        ChainError: The spheres do not separate, or the integration fails.
+        ChainError: The spheres overlap at the start, do not separate, or the
+            integration fails.
     """
     problem = _Problem(spheres, planes, young, poisson, rtol)
     state, now = problem.start(), 0.0
+    overlap = problem.overlap(state)
+    if overlap > MOST_OVERLAP * min(one.radius for one in spheres):
+        raise ChainError(f"the spheres overlap by {overlap:.3g} m at the start")
     for _ in range(MOST_CONTACTS):
         wait = problem.time_to_contact(state, duration - now)
         if wait is None:
@@ -138,6 +145,11 @@ class _Problem:
         """Return positions and velocities after a flight."""
         x, v = state.reshape(2, self._count, 3)
         return x + time * v + time**2 / 2 * self._free, v + time * self._free
+
+    def overlap(self, state: FloatArray) -> float:
+        """Return the deepest overlap of a state [m], 0 if nothing overlaps."""
+        pairs, planes = self.gaps(state[: 3 * self._count].reshape(-1, 3))
+        return max(0.0, -float(np.concatenate([pairs, planes.ravel(), [0.0]]).min()))
 
     def gaps(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the gaps of pairs (p,) and of spheres to planes (planes, n) [m]."""

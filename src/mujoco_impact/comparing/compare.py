@@ -218,7 +218,7 @@ class _Judge:
         self._slowest = max(rest, SMALLEST * fastest)
         self.ours = survey(self._plain, motion, ours=True, slowest=self._slowest)
         geoms = {geom_name(self.model, geom): geom for geom in range(self.model.ngeom)}
-        first = find_first_impact(self._plain, motion, self.ours, geoms)
+        first = find_first_impact(self._plain, motion, geoms)
         if first is None:
             raise SceneError(_nothing_told(self._plain, motion))
         self.first = first
