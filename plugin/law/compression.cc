@@ -271,7 +271,7 @@ SingleFriction Integrator::Alone(int i) const {
                                problem_.tolerance);
   }
   const SingleImpact single = SolveSingleImpact(1 / W.diagonal[k], c, K, e);
-  return {single.impulse, single.moment, single.duration, single.peak, {}, {}, 1};
+  return {single.impulse, single.moment, single.duration, single.peak, {}, {}, 1, true};
 }
 
 // The lane of the contact that has just closed, if nothing else happens until it opens again: no
@@ -303,7 +303,7 @@ int Integrator::ClosingAlone() const {
       close(l, 2 * most * std::max(std::abs(block.tn[0]), std::abs(block.tn[1])));
     });
   }
-  if (closes_another) return -1;
+  if (closes_another || !single.ended) return -1;
   if (lanes_.window().NextArrival() <= t_ + single.duration) return -1;
   for (int i = 0; i < lanes_.size(); ++i) {
     if (i != alone && c[i] > 0 && -y[i] <= c[i] * single.duration) return -1;

@@ -34,9 +34,27 @@ bool IsPressedFromBeside(const ImpactProblem& problem, const Lanes& lanes, int i
   return pressed;
 }
 
+// Whether no contact of the window moves, or would after expanding, faster than it may at rest.
+bool IsAtRest(const ImpactProblem& problem, const Lanes& lanes) {
+  if (!problem.rest_speed) return false;
+  const double e = problem.restitution;
+  for (int i = 0; i < lanes.size(); ++i) {
+    const int k = lanes.contact(i);
+    const double y = std::max(lanes.y[i], 0.0), c = std::abs(lanes.c[i]);
+    // the energy that a compressed contact gives back: e² 2/5 K y^2.5 = u²/(2 W)
+    const double u2 =
+        0.8 * problem.stiffness[k] * y * y * std::sqrt(y) * problem.delassus.diagonal[k];
+    const double rest = problem.rest_speed[k];
+    const bool moves = y > 0 ? c > rest || e * e * u2 > rest * rest : lanes.c[i] > rest;
+    if (moves) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Lanes& lanes, double t) {
+  if (IsAtRest(problem, lanes)) return true;
   const double y_floor = kCompressionFloor * problem.tolerance * scale.compression;
   const double c_floor = kSpeedFloor * problem.tolerance * scale.speed;
   const double time_left = LongestFlight(problem, scale, t);

@@ -3,6 +3,7 @@
 #include "law/impact_law.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "law/compression.h"
 #include "law/friction_guard.h"
@@ -63,6 +64,17 @@ ImpactReport SolveWithoutFriction(const ImpactProblem& problem, bool passive,
   return report;
 }
 
+// What is left of negative shares of a step (viscous.cc) may be outside.
+void KeepInCone(const CoulombFriction& friction, int n, ImpactSolution* solution) {
+  for (int k = 0; k < n; ++k) {
+    double* Q = solution->friction + 2 * k;
+    const double most = friction.mu[k] * solution->impulse[k], size = std::hypot(Q[0], Q[1]);
+    if (size <= most) continue;
+    Scale(most / size, 2, Q);
+    Scale(most / size, 2, solution->friction_moment + 2 * k);
+  }
+}
+
 ImpactReport SolveIsolatedFriction(const ImpactProblem& problem, ImpactSolution* solution) {
   const DelassusMatrix& W = problem.delassus;
   const CoulombFriction& friction = *problem.friction;
@@ -73,6 +85,7 @@ ImpactReport SolveIsolatedFriction(const ImpactProblem& problem, ImpactSolution*
   if (solution->peak) solution->peak[0] = 0;
   ImpactReport report{0, true};
   if (u > 0 && problem.gap[0] <= u * problem.horizon) {
+    constexpr double kWorkOfStep = 500;  // multiplications
     const TangentBlock own = OwnBlock(W, friction, 0);
     const double mu = CanSlip(own, W.diagonal[0]) ? friction.mu[0] : 0;
     const SingleFriction single = SolveSingleFriction({W.diagonal[0],
@@ -92,9 +105,8 @@ ImpactReport SolveIsolatedFriction(const ImpactProblem& problem, ImpactSolution*
       solution->friction[i] = single.friction[i];
       solution->friction_moment[i] = single.friction_moment[i] + onset * single.friction[i];
     }
-    report.steps = single.steps;
+    report = {single.steps, single.ended, kWorkOfStep * single.steps, onset + single.duration};
   }
-  SpeedsAfter(problem, *solution);
   return report;
 }
 
@@ -102,12 +114,15 @@ ImpactReport SolveWithFriction(const ImpactProblem& problem, bool passive, Impac
                                const Workspace& workspace) {
   if (!HasFriction(problem)) return SolveWithoutFriction(problem, passive, solution, workspace);
   if (problem.delassus.size == 1 && !IsViscous(problem)) {
-    const ImpactReport report = SolveIsolatedFriction(problem, solution);
+    ImpactReport report = SolveIsolatedFriction(problem, solution);
+    if (!report.converged) report.work += EndShort(problem, report.time, solution, workspace);
+    SpeedsAfter(problem, *solution);
     if (passive) RemoveGain(problem, *solution, workspace.numbers);
     return report;
   }
   ImpactReport report = IsViscous(problem) ? IntegrateViscous(problem, solution, workspace)
                                            : IntegrateCompression(problem, solution, workspace);
+  KeepInCone(*problem.friction, problem.delassus.size, solution);
   if (!report.converged) report.work += EndShort(problem, report.time, solution, workspace);
   SpeedsAfter(problem, *solution);
   if (passive) RemoveGain(problem, *solution, workspace.numbers);

@@ -20,6 +20,9 @@ constexpr double kNothing = 1e-9;
 // Ratios of less than this part of μ are within the cone.
 constexpr double kWithin = 1 - 1e-9;
 
+// A slip that has stopped, in parts of what is allowed.
+constexpr double kStopped = 0.1;
+
 constexpr int kMostTries = 2000;
 
 // Gauss-Legendre on [0, 1].
@@ -93,7 +96,7 @@ Piece SinglePath::Try(double dP) const {
 
 // Of a slip that turns, in units of what is allowed.
 double SinglePath::Error(const Piece& piece) const {
-  constexpr double kTurns = 1;
+  constexpr double kTurns = 0.5;
   const double R = contact_.mu * piece.dP, speed = Length(v_);
   if (stuck_ || speed == 0) return 0;
   // where friction at its first direction would take the slip, across
@@ -177,7 +180,8 @@ SingleFriction SinglePath::Run() {
     const bool stops = theta > kNothing && theta < 1 - kNothing;
     if (stops) {
       piece = Try(theta * dP);
-      if (Length(piece.v) < kNothing * Length(v_)) piece.v = Pair{};
+      // on a line it is zero but for rounding
+      if (Length(piece.v) < kStopped * allowed_) piece.v = Pair{};
     }
     const double error = Error(piece);
     const double growth = std::clamp(0.9 / std::cbrt(error + 1e-4), 0.1, 10.0);
@@ -195,6 +199,7 @@ SingleFriction SinglePath::Run() {
     Accept(piece, fraction < 1);
     dP = growth * piece.dP;
   }
+  sum_.ended = over_;
   return sum_;
 }
 

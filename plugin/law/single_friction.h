@@ -37,6 +37,7 @@ struct SingleFriction {
   double friction[2];         // ∫ F_t dt [N s]
   double friction_moment[2];  // [N s²]
   int steps;
+  bool ended;  // false: it was left after too many steps
 };
 
 // `tolerance` is that of the steps, in parts of the closing speed.
