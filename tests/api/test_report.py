@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import re
 import shutil
 import time
@@ -102,6 +103,21 @@ of text.
         '</thead><tbody><tr><td class="text">word</td><td >1</td></tr></tbody></table>'
         "</div>"
     )
+
+
+def test_without_bokeh_the_remedy_is_told_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    find = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util,
+        "find_spec",
+        lambda name, *rest: None if name == "bokeh" else find(name, *rest),
+    )
+    result = command("run", "row_3", "--html", "page.html")
+    assert result.exit_code == 2
+    assert "reports need bokeh: run `pip install" in result.stderr
+    assert "[report]" in result.stderr
 
 
 def test_a_video_without_a_report_is_refused() -> None:

@@ -15,9 +15,15 @@ from typer.testing import CliRunner, Result
 import mujoco_impact
 from mujoco_impact import Trajectory, video
 from mujoco_impact.cli import app
-from mujoco_impact.errors import ConfigError, RenderingError, SceneError
+from mujoco_impact.errors import (
+    ConfigError,
+    MissingExtraError,
+    RenderingError,
+    SceneError,
+)
 from mujoco_impact.video import opengl
 from mujoco_impact.video.camera import Projection, camera_of
+from mujoco_impact.video.scenes import native_panel
 
 imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
 Image = pytest.importorskip("PIL.Image")
@@ -204,6 +210,26 @@ def test_another_model_is_refused(motion: Trajectory, tmp_path: Path) -> None:
 def test_an_unknown_ending_is_refused(motion: Trajectory, tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"must end in \.mp4, \.gif, \.webp"):
         motion.render(BALL_AND_WALL, tmp_path / "x.avi")
+
+
+def test_without_the_encoder_the_remedy_is_told(
+    motion: Trajectory, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(MissingExtraError, match=r"imageio_ffmpeg: run .*\[video\]"):
+        motion.render(BALL_AND_WALL, tmp_path / "x.mp4")
+
+
+def test_what_mujoco_cannot_integrate_is_shown_up_to_there() -> None:
+    """A contact with far too much damping for the timestep; the caption says when."""
+    contact = 'solref="-1e6 -1e12" solimp=".9999 .9999 .001"'
+    defaults = f"<default><geom {contact}/></default><worldbody>"
+    stiff = BALL_AND_WALL.replace("<worldbody>", defaults)
+    spec = mujoco_impact.attach(stiff)
+    panel = native_panel(spec, 0.6, {"keyframe": "shot"})
+    assert panel.time[-1] < 0.6
+    assert "fail at 0.4" in panel.caption
+    assert np.isfinite(panel.qpos).all()
 
 
 class TestOpenGL:

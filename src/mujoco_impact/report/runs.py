@@ -15,6 +15,12 @@ from mujoco_impact.report.page import Page, Section
 from mujoco_impact.report.tables import html_table
 from mujoco_impact.trajectory import Trajectory
 
+MOST_ROWS = 500
+"""Impacts in the table at most: the first."""
+
+MOST_DOTS = 5000
+"""Impacts in the plot at most: the largest."""
+
 MOST_PAIRS = 12
 """Pairs of geoms with a colour of their own."""
 
@@ -48,7 +54,7 @@ def run_page(
     curves = dict(zip(names, motion.speeds.T, strict=True))
     figures.add_curves(speeds, motion.time, curves)
     plots = [speeds, _energies(trajectory)]
-    if trajectory.impacts:
+    if any(one.impulse > 0 for one in trajectory.impacts):
         plots.append(_impulses(trajectory))
     for plot in plots[1:]:
         plot.x_range = speeds.x_range
@@ -91,12 +97,16 @@ def _meeting_table(meetings: Sequence[Meeting]) -> str:
     rows = [
         (f"{one.time:.6f}", " - ".join(one.geoms), f"{one.closing_speed:.4g}",
          f"{one.impulse:.4g}", f"{one.peak:.4g}", str(one.points))
-        for one in meetings
+        for one in meetings[:MOST_ROWS]
     ]  # fmt: skip
     headings = ("time [s]", "geoms", "closing speed\n[m/s]", "impulse\n[N s]",
                 "peak\n[N]", "points")  # fmt: skip
     left = (False, True, False, False, False, False)
-    return html_table(headings, rows, left=left) if rows else ""
+    if not rows:
+        return ""
+    more = len(meetings) - len(rows)
+    rest = f"<p>and {more} more (--impacts FILE.csv has all)</p>" if more else ""
+    return html_table(headings, rows, left=left) + rest
 
 
 def _bounce_table(bounces: Sequence[Bounces]) -> str:
@@ -122,7 +132,9 @@ def _impulses(trajectory: Trajectory) -> Any:
     plot = figures.new_figure(
         "Impulses", "time [s]", "impulse [N s]", y_axis_type="log"
     )
-    meetings = met(trajectory.impacts, trajectory.timestep)
+    everything = met(trajectory.impacts, trajectory.timestep)
+    largest = sorted(everything, key=lambda one: -one.impulse)[:MOST_DOTS]
+    meetings = sorted(largest, key=lambda one: one.time)
     sizes = [one.impulse for one in meetings if one.impulse > 0]
     # a logarithmic axis of less than a decade has no room for its numbers
     plot.y_range.start, plot.y_range.end = min(sizes) / 3, max(sizes) * 3

@@ -21,7 +21,8 @@ MUJOCO = "MuJoCo's contacts"
 
 def panels_of(comparison: Comparison) -> list[Panel]:
     """Returns MuJoCo's contacts as they are, ours, and the reference of a row."""
-    native, ours = (comparison.method(name).trajectory for name in (AS_IS, OURS))
+    motions = {one.name: one.trajectory for one in comparison.methods}
+    native, ours = motions.get(AS_IS), motions.get(OURS)
     panels = [] if native is None else [Panel.of(native, MUJOCO)]
     if ours is not None:
         panels.append(Panel.of(ours, OURS))
