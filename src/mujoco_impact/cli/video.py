@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from mujoco_impact.cli.options import (
+    STANDARD_INPUT,
     DurationOption,
     FrictionOption,
     KeyframeOption,
@@ -82,7 +83,8 @@ def video(
     with clean_errors():
         from mujoco_impact import video as videos
 
-        target = out or Path(f"{Path(model).stem}.mp4")
+        name = "scene" if model == STANDARD_INPUT else Path(model).stem
+        target = out or Path(f"{name}.mp4")
         view = videos.View(
             speed=speed, camera=camera, size=_size(size), fps=fps, arrows=arrows
         )
