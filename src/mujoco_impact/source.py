@@ -23,6 +23,9 @@ LONGEST_PATH = 300
 LARGEST_MODEL = 256_000_000
 """Most bytes of a model file, without its assets."""
 
+UNNAMED = "MuJoCo Model"
+"""What MuJoCo calls a model without a name; it is then called as its file."""
+
 _ARCHIVES = (".mjz", ".zip")
 """Endings of model files that are no text."""
 
@@ -100,10 +103,13 @@ def _read_file(path: Path) -> mujoco.MjSpec:
         _check_text(path)
     try:
         # absolute: MuJoCo looks for assets from the working directory of later calls
-        return mujoco.MjSpec.from_file(str(path.resolve()))
+        spec = mujoco.MjSpec.from_file(str(path.resolve()))
     except (ValueError, mujoco.FatalError) as error:
         msg = f"MuJoCo cannot read {path}: {_reason(error)}"
         raise SceneError(msg) from error
+    if spec.modelname == UNNAMED:
+        spec.modelname = path.stem
+    return spec
 
 
 def _reason(error: BaseException) -> str:

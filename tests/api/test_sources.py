@@ -298,3 +298,10 @@ def test_models_stay_as_they_are(two_balls: str) -> None:
     run(model, duration=0.02)
     mujoco_impact.rollout(model, duration=0.02, threads=1)
     assert model.opt.enableflags == before.opt.enableflags
+
+
+def test_a_model_without_a_name_is_called_as_its_file(tmp_path):
+    """In tables, pictures and reports."""
+    path = tmp_path / "two.xml"
+    path.write_text('<mujoco><worldbody><geom size=".1"/></worldbody></mujoco>')
+    assert read_spec(path).modelname == "two"

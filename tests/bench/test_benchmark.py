@@ -304,3 +304,25 @@ def test_other_engines_swing_like_the_reference(
     np.testing.assert_allclose(angles[early], expected[0], atol=tolerance)
     # rad/s: angles change tenfold within a second
     np.testing.assert_allclose(velocities[early], expected[1], atol=10 * tolerance)
+
+
+def test_what_was_measured_is_kept_on_control_c(monkeypatch, tmp_path):
+    """The scenes that are done are written; exit code 130."""
+    from mujoco_impact.bench import benchmark as module
+
+    usual = module._scene_points
+
+    def stop(scene, *arguments):
+        if scene.name == "S2":
+            raise KeyboardInterrupt
+        return usual(scene, *arguments)
+
+    monkeypatch.setattr(module, "_scene_points", stop)
+    done = CliRunner().invoke(
+        cli.app,
+        ["bench", "--quick", "--scenes", "S1,S2", "--methods", "ours", "--out",
+         str(tmp_path)],
+    )  # fmt: skip
+    assert done.exit_code == 130, done.output
+    assert "interrupted after S1" in done.output
+    assert (tmp_path / "results.csv").is_file()

@@ -5,8 +5,15 @@ points (run time, error) of them, `summary` says what follows. `steps` and `impa
 time single steps and the law alone. `results`, `charts` and `page` keep it all.
 """
 
-from mujoco_impact.bench.benchmark import run_benchmark
+from mujoco_impact.bench.benchmark import BenchmarkInterrupted, run_benchmark
 from mujoco_impact.bench.output import show, write_files
 from mujoco_impact.bench.results import Results, read_results
 
-__all__ = ["Results", "read_results", "run_benchmark", "show", "write_files"]
+__all__ = [
+    "BenchmarkInterrupted",
+    "Results",
+    "read_results",
+    "run_benchmark",
+    "show",
+    "write_files",
+]

@@ -29,6 +29,19 @@ _Times: TypeAlias = tuple[
 _NO_TIMES: _Times = ((), (), ())
 
 
+class BenchmarkInterrupted(KeyboardInterrupt):
+    """A benchmark was interrupted by hand (Ctrl-C).
+
+    Attributes:
+        results: Those of the scenes that are done.
+    """
+
+    def __init__(self, results: Results) -> None:
+        """Stores the results."""
+        super().__init__(f"interrupted after {', '.join(results.scenes)}")
+        self.results = results
+
+
 def run_benchmark(
     *,
     scenes: Sequence[str] | None = None,
@@ -49,27 +62,40 @@ def run_benchmark(
     Raises:
         SceneError: If a scene is unknown.
         ConfigError: If a method is unknown.
+        BenchmarkInterrupted: On Ctrl-C, once a scene is done; it is a
+            KeyboardInterrupt, and holds the results until then.
     """
     report = progress or (lambda _: None)
     chosen_scenes = choose_scenes(None if scenes is None else list(scenes))
     families = choose_methods(methods)
     effort = QUICK if quick else Effort()
-    points = list[Point]()
-    for scene in chosen_scenes:
-        points += _scene_points(scene, families, effort, quick, report)
-    timed = _times(quick, report) if steps else _NO_TIMES
-    return Results(
-        scenes={scene.name: scene.title for scene in chosen_scenes},
+    points, done = list[Point](), list[BenchScene]()
+    timed, stopped = _NO_TIMES, False
+    try:
+        for scene in chosen_scenes:
+            points += _scene_points(scene, families, effort, quick, report)
+            done.append(scene)
+        if steps:
+            timed = _times(quick, report)
+    except KeyboardInterrupt:
+        if not done:
+            raise
+        stopped = True
+    results = Results(
+        scenes={scene.name: scene.title for scene in done},
         methods={family.name: family.title for family in families},
         points=tuple(points),
         steps=timed[0],
         impacts=timed[1],
         waves=timed[2],
-        missing=_missing(chosen_scenes, families, steps=steps),
+        missing=_missing(done, families, steps=steps),
         versions=versions(families),
         machine=machine(),
         quick=quick,
     )
+    if stopped:
+        raise BenchmarkInterrupted(results)
+    return results
 
 
 def choose_methods(names: Sequence[str] | None) -> tuple[MethodFamily, ...]:

@@ -42,15 +42,21 @@ def bench(
     with clean_errors():
         check_outputs(json_file)
         require_matplotlib()
+        stopped = None
         with progress(json_file) as report:
-            results = benchmark.run_benchmark(
-                scenes=None if scenes is None else scenes.split(","),
-                methods=None if methods is None else methods.split(","),
-                quick=quick,
-                steps=steps,
-                progress=report,
-            )
+            try:
+                results = benchmark.run_benchmark(
+                    scenes=None if scenes is None else scenes.split(","),
+                    methods=None if methods is None else methods.split(","),
+                    quick=quick,
+                    steps=steps,
+                    progress=report,
+                )
+            except benchmark.BenchmarkInterrupted as interrupted:
+                results, stopped = interrupted.results, interrupted
         files = benchmark.write_files(results, out)
         write_json(json_file, results.to_dict())
         benchmark.show(results, console_of(json_file))
         console_of(json_file).out(f"\n{len(files)} files in {out}")
+        if stopped is not None:
+            raise stopped

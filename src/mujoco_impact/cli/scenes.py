@@ -18,9 +18,6 @@ from mujoco_impact.settings import attributes
 from mujoco_impact.source import read_spec
 from mujoco_impact.starts import Keyframe, settled
 
-UNNAMED = "MuJoCo Model"
-"""What MuJoCo calls a model without a name."""
-
 
 def read_scene(
     model: str, *, timestep: float | None = None, integrator: str | None = None
@@ -33,8 +30,6 @@ def read_scene(
         integrator: Instead of that of the model, as MJCF spells it.
     """
     spec = read_spec(_text() if model == STANDARD_INPUT else model)
-    if spec.modelname == UNNAMED and model != STANDARD_INPUT:
-        spec.modelname = Path(model).stem
     if timestep is not None:
         if not 0 < timestep < float("inf"):
             raise ConfigError(f"--timestep {timestep}: must be a time > 0 [s]")
