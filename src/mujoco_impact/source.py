@@ -31,6 +31,10 @@ _ARCHIVES = (".mjz", ".zip")
 
 _INCLUDE = re.compile(r"<include\b[^>]*\bfile\s*=\s*[\"']([^\"']+)")
 
+_NOT_XML = re.compile(
+    r"XML parse error .*XML_ERROR_.*Line number=(\d+)(?:: XMLElement name=(\S+))?"
+)
+
 Source: TypeAlias = str | os.PathLike[str] | mujoco.MjSpec
 """A path of an MJCF or URDF file, the name of a shipped model, XML text, or a
 specification."""
@@ -115,11 +119,12 @@ def _read_file(path: Path) -> mujoco.MjSpec:
 def _reason(error: BaseException) -> str:
     """Returns why MuJoCo cannot read a model."""
     text = one_line(error)
-    if "XML parse error" not in text:
+    wrong = _NOT_XML.search(text)
+    if wrong is None:
         return text
-    line = text.rpartition("Line number=")[2]
-    where = f", see line {line}" if line.isdecimal() else ""
-    return f"it is no MJCF or URDF, for it is not well-formed XML{where}"
+    where, what = wrong.groups()
+    element = f" in <{what}>" if what else ""
+    return f"it is no MJCF or URDF, for line {where} is not well-formed XML{element}"
 
 
 def _is_file(path: Path) -> bool:

@@ -177,7 +177,7 @@ def test_help_ends_with_two_examples(row: tuple[Any, ...]) -> None:
         (("attach",), "Missing argument 'MODEL'"),
         (("calibrate",), "Missing argument 'DATA.csv'"),
         (("shots",), "Missing argument"),
-        (("run", "text.xml"), "cannot read text.xml"),
+        (("run", "text.xml"), "text.xml: it is no MJCF or URDF, for line 1 is not"),
         (("run", "row_3", "--geoms", "ball_9"), "no geom 'ball_9'; did you mean"),
         (("run", "row_3", "--duration", "0"), "duration = 0.0: must be a time > 0"),
         (("run", "still.xml"), "no body of the scene that can move has a geom"),
