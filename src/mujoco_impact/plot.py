@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mujoco_impact.comparing.compare import row_samples
+from mujoco_impact.comparing.rows import row_samples
 from mujoco_impact.comparison import OURS, Comparison, MethodResult
 from mujoco_impact.extras import require_matplotlib
 from mujoco_impact.files import replacing

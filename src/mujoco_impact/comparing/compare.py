@@ -14,57 +14,28 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mujoco_impact import metrics
 from mujoco_impact._plugin import PLUGIN_NAME
 from mujoco_impact.baselines import Method, baselines
-from mujoco_impact.comparing.first_impact import (
-    find_first_impact,
-    velocities_at,
-    window_of,
-)
-from mujoco_impact.comparing.references import (
-    ImpactReference,
-    Material,
-    impact_reference,
-)
-from mujoco_impact.comparing.survey import HALF_STEP_INTEGRATORS, rest_speed, survey
+from mujoco_impact.comparing.judge import Judge
 from mujoco_impact.comparison import OURS, Comparison, MethodResult
 from mujoco_impact.errors import (
     ComparisonInterrupted,
     ConfigError,
-    ImpactError,
     ImpactWarning,
-    SceneError,
     SimulationError,
 )
-from mujoco_impact.ownership import owned_geoms
-from mujoco_impact.pendulums import PendulumRow, find_row
-from mujoco_impact.pulses import geom_name
-from mujoco_impact.reference import ReferenceTrajectory, swing
 from mujoco_impact.runner import initial_data, load_model, run, step_count
 from mujoco_impact.scene import attach, detach
-from mujoco_impact.settings import (
-    DEFAULT_POISSON,
-    DEFAULT_YOUNG,
-    Setting,
-    attributes,
-)
+from mujoco_impact.settings import Setting, attributes
 from mujoco_impact.source import Source, read_spec
-from mujoco_impact.starts import Keyframe, keyframe_names, settled
+from mujoco_impact.starts import Keyframe, settled
 from mujoco_impact.timing import interleaved_times
-from mujoco_impact.trajectory import Array, Trajectory
-from mujoco_impact.verdict import ALONE
+from mujoco_impact.trajectory import Trajectory
 
 __all__ = ["Comparison", "compare"]
 
 INSTANCE = "impact"
 """Name of the plugin instance."""
-
-MOST_REFERENCE_BALLS = 12
-"""Longer rows are chaotic after the first wave, and their reference takes minutes."""
-
-SMALLEST = 0.05
-"""Of the fastest closing speed of our motion: slower meetings are not counted."""
 
 
 def compare(
@@ -126,7 +97,7 @@ def compare(
     start: dict[str, Any] = {"keyframe": number, "qpos": qpos, "qvel": qvel}
     ours = Method(OURS, _shown(law), attached)
     motion = run(attached, duration=duration, **start)
-    judge = _Judge(attached, plain, motion, law)
+    judge = Judge(attached, plain, motion, law)
     report("reference")
     judge.find_references()
     speed, restitution = judge.speed, judge.material.restitution
@@ -173,183 +144,11 @@ def _ours(
     return spec, configs[0]
 
 
-def _names_of(spec: mujoco.MjSpec) -> tuple[str, ...]:
-    """Returns the names of the owned geoms of all instances."""
-    owned = owned_geoms(spec).values()
-    everything = tuple(geom.name for geom in spec.geoms)
-    return tuple(
-        name for names in owned for name in (everything if names is None else names)
-    )
-
-
-class _Judge:
-    """What all methods of a scene are measured against: our motion, and references."""
-
-    def __init__(
-        self,
-        attached: mujoco.MjSpec,
-        plain: mujoco.MjSpec,
-        motion: Trajectory,
-        law: dict[str, Any],
-    ) -> None:
-        """Looks at our motion.
-
-        Args:
-            attached: The scene with the plugin.
-            plain: The scene without it.
-            motion: Our motion.
-            law: Settings of the impact law.
-
-        Raises:
-            SceneError: If there is no impact in it.
-        """
-        self.model = load_model(attached)
-        self._plain, self._names = load_model(plain), _names_of(attached)
-        self._scene, self._motion = plain.modelname, motion
-        self.material = Material(
-            restitution=_number_setting(law, "restitution", 1.0),
-            young=_number_setting(law, "young", DEFAULT_YOUNG),
-            poisson=_number_setting(law, "poisson", DEFAULT_POISSON),
-            friction=law.get("friction", "none") != "none",
-            hertz=law.get("law", "hertz") == "hertz",
-        )
-        fastest = max((one.closing_speed for one in motion.impacts), default=0.0)
-        rest = rest_speed(self._plain, motion)
-        self._slowest = max(rest, SMALLEST * fastest)
-        self.ours = survey(self._plain, motion, ours=True, slowest=self._slowest)
-        geoms = {geom_name(self.model, geom): geom for geom in range(self.model.ngeom)}
-        first = find_first_impact(self._plain, motion, geoms)
-        if first is None:
-            raise SceneError(_nothing_told(self._plain, motion))
-        self.first = first
-        self.row: PendulumRow | None = None
-        self.reference: ReferenceTrajectory | None = None
-        self._impact: ImpactReference | None = None
-        self._row_velocities: tuple[float, ...] | None = None
-        self._row_speed, self._note = 0.0, ""
-
-    @property
-    def speed(self) -> float:
-        """Closing speed of the first impact [m/s]."""
-        return self._row_speed or self.first.closing_speed
-
-    def find_references(self) -> None:
-        """Finds what is known of the scene without an engine."""
-        self._find_row()
-        if self.reference is None and self.row is None:
-            self._impact, self._note = impact_reference(
-                self._plain, self._motion, self.ours, self.first, self.material
-            )
-
-    def _find_row(self) -> None:
-        """Finds the Hertz reference of a row of pendulums, or why there is none."""
-        material = self.material
-        self.row = row = find_row(
-            self.model, young=material.young, poisson=material.poisson
-        )
-        if row is None:
-            return
-        if row.chain.count > MOST_REFERENCE_BALLS:
-            self._note = f"no Hertz reference: more than {MOST_REFERENCE_BALLS} balls"
-            return
-        if material.restitution != 1.0 or not material.hertz:
-            self._note = "no Hertz reference: it is elastic, the law is not"
-            return
-        motion, time = self._motion, self._motion.time
-        start = row.angles(motion.qpos[0]), row.angles(motion.qvel[0])
-        try:
-            reference = swing(row.chain, *start, float(time[-1]))
-            samples = reference(time)
-            left = metrics.velocity_after_first_impact(time, *samples, row.chain)
-        except ImpactError as error:
-            self._note = f"no Hertz reference: {error}"
-            return
-        onset = reference.contact_intervals[:1, 0]
-        fastest = float(np.abs(reference(onset)[1]).max())
-        self.reference, self._row_velocities = reference, tuple(left.tolist())
-        self._row_speed = fastest * row.chain.length
-
-    def measured(self, result: MethodResult) -> MethodResult:
-        """Returns a result with what is measured of its motion."""
-        motion = result.trajectory
-        if motion is None:
-            return result
-        ours = motion is self._motion
-        seen = self.ours
-        if not ours:
-            seen = survey(self._plain, motion, ours=False, slowest=self._slowest)
-        result = self._with_speeds(dataclasses.replace(result, seen=seen), motion, ours)
-        if self.row is None or self.reference is None:
-            return result
-        samples = row_samples(self.row, motion)
-        left = metrics.velocity_after_first_impact(*samples, self.row.chain)
-        return dataclasses.replace(
-            result,
-            first_velocities=tuple(left.tolist()),
-            errors=metrics.row_errors(*samples, self.reference),
-        )
-
-    def _with_speeds(
-        self, result: MethodResult, motion: Trajectory, ours: bool
-    ) -> MethodResult:
-        """Returns a result with the velocities before and after the first impact."""
-        first, seen = self.first, result.seen
-        if seen is None:
-            return result
-        window = (
-            (first.before, first.after)
-            if ours
-            else window_of(self._plain, first, motion, seen)
-        )
-        if window is None:
-            return result
-        known = self._impact
-        still = np.zeros((len(first.bodies), 3))
-        free = still if known is None else known.free
-        before, after = (
-            velocities_at(motion, seen, sample, first.bodies, free) for sample in window
-        )
-        result = dataclasses.replace(result, before=before, after=after)
-        if known is None:
-            return result
-        wrong = after - known.at(float(motion.time[window[1]]))
-        error = float(np.sqrt(np.mean(np.sum(wrong**2, axis=1)))) / self.speed
-        return dataclasses.replace(result, first_error=error)
-
-    def comparison(
-        self, duration: float, results: Sequence[MethodResult]
-    ) -> Comparison:
-        """Returns the outcome."""
-        bodies = tuple(
-            self._plain.body(body).name or f"body {body}" for body in self.first.bodies
-        )
-        return Comparison(
-            scene=self._scene,
-            start=self._motion.start,
-            duration=duration,
-            timestep=self._motion.timestep,
-            integrator=self._motion.integrator,
-            mujoco_version=self._motion.mujoco_version,
-            impact_speed=self.speed,
-            model=self.model,
-            geoms=self._names,
-            methods=tuple(results),
-            first=self.first,
-            bodies=bodies,
-            slowest=self._slowest,
-            row=self.row,
-            reference=self.reference,
-            reference_velocities=self._row_velocities,
-            impact_reference=self._impact,
-            note=self._note,
-        )
-
-
 def _run_method(
     method: Method,
     duration: float,
     start: dict[str, Any],
-    judge: _Judge,
+    judge: Judge,
     known: Trajectory | None,
 ) -> MethodResult:
     """Runs one method, unless its motion is known, and measures it."""
@@ -363,20 +162,6 @@ def _run_method(
     except SimulationError as error:
         return MethodResult(method.name, method.setting, None, failure=str(error))
     return judge.measured(MethodResult(method.name, method.setting, motion))
-
-
-def row_samples(row: PendulumRow, motion: Trajectory) -> tuple[Array, Array, Array]:
-    """Returns times, angles and velocities of a row, as exact as they can be read.
-
-    MuJoCo's semi-implicit steps shift the motion of a row that starts at rest by half
-    a step; that is no error of the impacts and is taken out.
-    """
-    angles, velocities = row.angles(motion.qpos), row.angles(motion.qvel)
-    if motion.integrator not in HALF_STEP_INTEGRATORS or velocities[0].any():
-        return motion.time, angles, velocities
-    return metrics.euler_half_step(
-        motion.time, angles, velocities, row.chain, timestep=motion.timestep
-    )
 
 
 def _with_run_times(
@@ -402,24 +187,6 @@ def _with_run_times(
             cost=float(np.median(times[:, column] / base)),
         )
     return tuple(timed)
-
-
-def _nothing_told(model: mujoco.MjModel, motion: Trajectory) -> str:
-    """Returns what is said of a scene without an impact."""
-    if any(remark.text == ALONE for remark in motion.remarks):
-        return ALONE
-    names = [name or str(number) for number, name in enumerate(keyframe_names(model))]
-    others = f" ({', '.join(names)})" if names else ""
-    return (
-        f"there is no impact within {motion.time[-1]:g} s from {motion.start}, so "
-        f"there is nothing to compare: run longer, or start from another keyframe"
-        f"{others} or state"
-    )
-
-
-def _number_setting(settings: dict[str, Any], name: str, usual: float) -> float:
-    """Returns a setting that is one number; `attach` has checked that it is."""
-    return float(settings.get(name, usual))
 
 
 def _shown(settings: dict[str, Any]) -> str:

@@ -17,10 +17,17 @@ import mujoco
 import numpy as np
 
 from mujoco_impact.comparing.first_impact import FirstImpact, velocities_at
+from mujoco_impact.comparing.sphere_scene import (
+    NoReference,
+    free_acceleration,
+    lifted,
+    plane_of,
+    spheres_of,
+)
 from mujoco_impact.comparing.survey import Survey
 from mujoco_impact.errors import ImpactError
 from mujoco_impact.pulses import geom_name
-from mujoco_impact.reference.spheres import Plane, Sphere, sphere_velocities
+from mujoco_impact.reference.spheres import sphere_velocities
 from mujoco_impact.trajectory import Array, Trajectory
 
 SLIP = 1e-6
@@ -94,12 +101,8 @@ def impact_reference(
     """
     try:
         return _Scene(model, motion, seen, first, material).reference(), ""
-    except (_NoReference, ImpactError) as reason:
+    except (NoReference, ImpactError) as reason:
         return None, f"no reference for the first impact: {reason}"
-
-
-class _NoReference(Exception):
-    """Why there is no reference."""
 
 
 class _Scene:
@@ -117,7 +120,7 @@ class _Scene:
         self._first, self._material = first, material
         self._seen = seen
         sample = first.before
-        self.free = _free_acceleration(model, motion, seen, first.before, first.bodies)
+        self.free = free_acceleration(model, motion, seen, first.before, first.bodies)
         self._data = mujoco.MjData(model)
         self._data.qpos[:] = motion.qpos[sample]
         self._data.qvel[:] = motion.qvel[sample]
@@ -127,11 +130,11 @@ class _Scene:
     def reference(self) -> ImpactReference:
         """Returns the reference."""
         if not self._first.alone:
-            raise _NoReference("other impacts are under way, or the run ends in it")
+            raise NoReference("other impacts are under way, or the run ends in it")
         if not self._material.hertz:
-            raise _NoReference("the law is not that of Hertz contacts")
+            raise NoReference("the law is not that of Hertz contacts")
         if self._model.neq and self._data.ne:
-            raise _NoReference("bodies are tied to each other")
+            raise NoReference("bodies are tied to each other")
         for meeting in self._first.meetings:
             self._check_slip(meeting.geoms)
         beside = self._beside()
@@ -139,29 +142,8 @@ class _Scene:
         if len(meetings) == 1 and meetings[0].points == 1 and not beside:
             return self._closed_form()
         if self._material.restitution < 1.0:
-            raise _NoReference("several contacts lose energy together")
+            raise NoReference("several contacts lose energy together")
         return self._hertz(beside)
-
-    def _sphere_of(self, body: int) -> int:
-        """Returns the geom of a body that is a single sphere, free or on slides."""
-        model = self._model
-        geoms = _colliding(model, body)
-        joints = _joints(model, body)
-        kinds = {int(model.jnt_type[joint]) for joint in joints}
-        free = kinds == {int(mujoco.mjtJoint.mjJNT_FREE)}
-        slides = kinds == {int(mujoco.mjtJoint.mjJNT_SLIDE)}
-        whole = (
-            len(geoms) == 1
-            and model.geom_type[geoms[0]] == mujoco.mjtGeom.mjGEOM_SPHERE
-            and model.body_parentid[body] == 0
-            and np.allclose(
-                self._data.xipos[body], self._data.geom_xpos[geoms[0]], atol=1e-9
-            )
-        )
-        if not (whole and (free or slides)):
-            msg = "several contacts of bodies other than free spheres act together"
-            raise _NoReference(msg)
-        return geoms[0]
 
     def _beside(self) -> set[int]:
         """Returns the geoms that touch the bodies of the impact, and one another."""
@@ -178,7 +160,7 @@ class _Scene:
                 if contact.dim > 1:
                     one, other = sorted(names)
                     msg = f"{one!r} also touches {other!r}, with friction"
-                    raise _NoReference(msg)
+                    raise NoReference(msg)
                 found.update(ids)
                 bodies |= {b for b in owners if self._model.body_weldid[b] != 0}
             if len(found) == before:
@@ -195,7 +177,7 @@ class _Scene:
         slip = relative - normal * (normal @ relative)
         if np.linalg.norm(slip) > SLIP * self._first.closing_speed:
             one, other = names
-            raise _NoReference(
+            raise NoReference(
                 f"{one!r} and {other!r} slide on each other with friction"
             )
 
@@ -233,7 +215,7 @@ class _Scene:
         line = ends[3:] - ends[:3]
         length = float(np.linalg.norm(line))
         if length < REST:
-            raise _NoReference("the bodies already touch")
+            raise NoReference("the bodies already touch")
         return np.sign(distance) * line / length, 0.5 * (ends[3:] + ends[:3])
 
     def _row(self, geom: int, point: Array) -> Array:
@@ -273,7 +255,7 @@ class _Scene:
         """Returns normal and point of the contact that closes now, by its overlap."""
         try:
             return self._contact(first, second)
-        except _NoReference:
+        except NoReference:
             for contact in self._data.contact:
                 if set(contact.geom.tolist()) == {first, second}:
                     sign = 1.0 if contact.geom[0] == first else -1.0
@@ -297,8 +279,12 @@ class _Scene:
             for geom, body in zip(geoms, owners, strict=True)
             if model.body_weldid[body] == 0
         ]
-        planes = [self._plane(geom) for geom in fixed]
-        spheres = [_lifted(one, planes) for one in self._spheres(bodies)]
+        planes = [plane_of(model, self._data, geom) for geom in fixed]
+        motion, before = self._motion, first.before
+        free = free_acceleration(model, motion, self._seen, before, bodies)
+        velocity = velocities_at(motion, self._seen, before, bodies, free)
+        moved = spheres_of(model, self._data, bodies, velocity, free)
+        spheres = [lifted(one, planes) for one in moved]
         end = float(self._motion.time[first.after])
         left = sphere_velocities(
             spheres,
@@ -308,72 +294,3 @@ class _Scene:
             poisson=self._material.poisson,
         )
         return ImpactReference(HERTZ, end, left[: len(first.bodies)], self.free)
-
-    def _spheres(self, bodies: tuple[int, ...]) -> list[Sphere]:
-        """Returns bodies as spheres of the Hertz problem."""
-        model, data, motion = self._model, self._data, self._motion
-        before = self._first.before
-        free = _free_acceleration(model, motion, self._seen, before, bodies)
-        velocity = velocities_at(motion, self._seen, before, bodies, free)
-        found = []
-        for number, body in enumerate(bodies):
-            geom, joints = self._sphere_of(body), _joints(model, body)
-            slides = model.jnt_type[joints[0]] == mujoco.mjtJoint.mjJNT_SLIDE
-            found.append(
-                Sphere(
-                    mass=float(model.body_mass[body]),
-                    radius=float(model.geom_size[geom, 0]),
-                    position=data.geom_xpos[geom].copy(),
-                    velocity=velocity[number],
-                    acceleration=free[number],
-                    directions=data.xaxis[joints].copy() if slides else np.eye(3),
-                )
-            )
-        return found
-
-    def _plane(self, geom: int) -> Plane:
-        """Returns a fixed geom as a plane of the Hertz problem."""
-        if self._model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_PLANE:
-            name = geom_name(self._model, geom)
-            raise _NoReference(f"{name!r} is neither sphere nor plane")
-        normal = self._data.geom_xmat[geom].reshape(3, 3)[:, 2].copy()
-        return Plane(self._data.geom_xpos[geom].copy(), normal)
-
-
-def _lifted(sphere: Sphere, planes: list[Plane]) -> Sphere:
-    """Returns a sphere that rests on a plane without sinking into it."""
-    for plane in planes:
-        gap = (sphere.position - plane.point) @ plane.normal - sphere.radius
-        if gap < 0.0:
-            lifted = sphere.position - gap * plane.normal
-            sphere = dataclasses.replace(sphere, position=lifted)
-    return sphere
-
-
-def _colliding(model: mujoco.MjModel, body: int) -> list[int]:
-    """Returns the geoms of a body that can collide."""
-    begin = int(model.body_geomadr[body])
-    geoms = range(begin, begin + int(model.body_geomnum[body]))
-    return [g for g in geoms if model.geom_contype[g] or model.geom_conaffinity[g]]
-
-
-def _joints(model: mujoco.MjModel, body: int) -> list[int]:
-    """Returns the joints of a body."""
-    begin = int(model.body_jntadr[body])
-    return list(range(begin, begin + int(model.body_jntnum[body])))
-
-
-def _free_acceleration(
-    model: mujoco.MjModel,
-    motion: Trajectory,
-    seen: Survey,
-    before: int,
-    bodies: tuple[int, ...],
-) -> Array:
-    """Returns the acceleration of bodies before an impact [m/s²], shape (n, 3)."""
-    if before == 0:
-        return np.tile(model.opt.gravity, (len(bodies), 1))
-    step = float(motion.time[before] - motion.time[before - 1])
-    change = seen.velocities[before, bodies] - seen.velocities[before - 1, bodies]
-    acceleration: Array = change / step
-    return acceleration
