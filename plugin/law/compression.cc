@@ -49,7 +49,7 @@ class Integrator {
  private:
   void EvaluateStage(const double* y, int stage);
   double TryStep(double h);
-  double TryFriction(double h);
+  [[gnu::noinline]] double TryFriction(double h);
   bool OvershootsTurn(int i, double h) const;
   double FractionToTurn(double h) const;
   void Accept(double h);
@@ -58,10 +58,10 @@ class Integrator {
   void UpdatePhases();
   void SetRates();
   void MoveWindow();
-  SingleFriction Alone(int i) const;
+  [[gnu::noinline]] SingleFriction Alone(int i) const;
   int ClosingAlone() const;
   void CollideAlone(int i);
-  void RubAlone(int i, const SingleFriction& single);
+  [[gnu::noinline]] void RubAlone(int i, const SingleFriction& single);
 
   const ImpactProblem& problem_;
   ImpactSolution& solution_;

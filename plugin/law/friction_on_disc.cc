@@ -36,9 +36,9 @@ Pair OnRim(const Tangents& A, Pair g, double R) {
   const double length = Length(g);
   if (length == 0) return g;
   if (IsRound(A)) return -R / length * g;
-  // Newton's method for 1/|p| = 1/R, which is concave in λ and nearly straight, from the left
-  const double largest = 0.5 * (A.a + A.c + std::sqrt((A.a - A.c) * (A.a - A.c) + 4 * A.b * A.b));
-  double lambda = std::max(0.0, length / R - largest);
+  // Newton's method for 1/|p| = 1/R, which is nearly straight in λ, from where p is against g
+  const Pair d = 1 / length * g;
+  double lambda = std::max(0.0, length / R - Dot(d, Times(A, d)));
   Pair p = Solve(A, lambda, g);
   constexpr int kMost = 20;
   constexpr double kEnough = 1e-6;  // |p| is made R, and its direction changes slower
@@ -53,6 +53,9 @@ Pair OnRim(const Tangents& A, Pair g, double R) {
   return -R / size * p;
 }
 
+// Change of the slip that goes on as it is at the end, but for its own friction.
+Pair RateAtEnd(const ContactStep& step) { return At(step.rate) - Times(step.A, At(step.ratio)); }
+
 // p₁ up to the part θ of the step, then it slides.
 StepFriction ThenSlides(const ContactStep& step, double theta, Pair p1) {
   const double rest = 1 - theta;
@@ -60,7 +63,7 @@ StepFriction ThenSlides(const ContactStep& step, double theta, Pair p1) {
   const Pair b = step.b + Times(step.A, p1), stops = -Times(step.inverse, b);
   const bool holds = IsWithin(stops, rest * step.R);  // until the end, where it begins to slide
   const Pair p2 = holds ? stops : OnRim(step.A, b, rest * step.R);
-  const Pair ratio = holds ? OnRim(step.A, step.rate, step.R) : 1 / rest * p2;
+  const Pair ratio = holds ? OnRim(step.A, RateAtEnd(step), step.R) : 1 / rest * p2;
   return {p1 + p2, (2 - theta) * p1 + rest * p2, ratio, theta};
 }
 
@@ -83,11 +86,22 @@ StepFriction AfterSticking(const ContactStep& step, Pair needed) {
   return ThenSlides(step, theta, theta * (start + 0.5 * theta * way));
 }
 
+// A contact that slides until it stops, and sticks from there on.
+StepFriction Stops(const ContactStep& step, Pair stops, Pair needed) {
+  const double speed = Length(step.v);
+  const Pair slides = speed > 0 ? -step.R / speed * step.v : needed;
+  const double way = Length(slides - needed);
+  const double theta = way > 0 ? std::min(1.0, Length(stops - needed) / way) : 0;
+  const double rest = 1 - theta;
+  return {stops, theta * (2 - theta) * slides + rest * rest * needed, needed, theta};
+}
+
 // A contact that slides, and whose slip changes its direction within the step: it stops on the way.
 StepFriction ThroughZero(const ContactStep& step, double speed) {
   if (speed == 0) return ThenSlides(step, kNothing, Pair{});
   const Pair d = 1 / speed * step.v;
-  const double slowing = step.R * Dot(d, Times(step.A, d)) - Dot(step.first_rate, d);
+  const Pair rate = At(step.first_rate) - Times(step.A, step.before);
+  const double slowing = step.R * Dot(d, Times(step.A, d)) - Dot(rate, d);
   const double theta = slowing > speed ? speed / slowing : 1;
   return ThenSlides(step, theta, -theta * step.R * d);
 }
@@ -101,23 +115,18 @@ Tangents Lifted(const double tt[2][2]) {
 
 StepFriction FrictionOfStep(const ContactStep& step) {
   const double R = step.R;
-  const Pair needed = -Times(step.inverse, step.rate);  // to keep the slip as it is
-  if (step.stuck) return AfterSticking(step, needed);
-  const double speed = Length(step.v);
+  if (step.stuck) return AfterSticking(step, -Times(step.inverse, RateAtEnd(step)));
   const Pair stops = -Times(step.inverse, step.b);
-  if (IsWithin(needed, R) && IsWithin(stops, R)) {
-    const Pair slides = speed > 0 ? -R / speed * step.v : needed;
-    const double way = Length(slides - needed);
-    const double theta = way > 0 ? std::min(1.0, Length(stops - needed) / way) : 0;
-    const double rest = 1 - theta;
-    return {stops, theta * (2 - theta) * slides + rest * rest * needed, needed, theta};
+  if (IsWithin(stops, R)) {
+    const Pair needed = -Times(step.inverse, RateAtEnd(step));  // to keep the slip as it is
+    if (IsWithin(needed, R)) return Stops(step, stops, needed);
   }
   const Pair g = step.v + step.b;
   if (!IsWithin(Times(step.inverse, g), R)) {
     const Pair p = OnRim(step.A, g, R);
     if (Dot(step.v, p) <= 0 && Dot(step.b + Times(step.A, p), p) <= 0) return {p, p, p, 0};
   }
-  return ThroughZero(step, speed);
+  return ThroughZero(step, Length(step.v));
 }
 
 }  // namespace mujoco_impact::law

@@ -43,12 +43,13 @@ inline Pair Times(const Tangents& A, Pair x) {
 // The step as a contact sees it. Ratios of friction to normal force are in units of 1/ΔP.
 struct ContactStep {
   const Tangents &A, &inverse;
-  double R;               // μ ΔP [N s]
-  Pair v, b;              // slip at the beginning, and at the end without its own friction [m/s]
-  Pair first_rate, rate;  // change of slip in a step, without its own friction, that goes on as it
-                          // is at the beginning, and at the end [m/s]
-  Pair before;            // ratio at the end of the step before
-  bool stuck;             // whether that was within the cone
+  double R;     // μ ΔP [N s]
+  Pair v, b;    // slip at the beginning, and at the end without its own friction [m/s]
+  Pair before;  // ratio at the end of the step before
+  bool stuck;   // whether that was within the cone
+  // change of the slip in a step that goes on as it is at the beginning, and at the end, where the
+  // ratio is as given: friction of its own included [m/s]
+  const double *first_rate, *rate, *ratio;
 };
 
 struct StepFriction {

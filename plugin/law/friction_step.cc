@@ -110,7 +110,8 @@ void FrictionStep::Begin(const double* F) {
     std::copy_n(rows->work, rows->dofs(), rows->work + rows->dofs());
   }
   for (int i = 0; i < n; ++i) {
-    FindSlip(i);
+    if (grip_[i].mu <= 0 || dP[i] <= 0) continue;
+    if (problem_.delassus.by_body) FindSlip(i);
     Put(grip_[i].first_rate, At(grip_[i].slip) - At(lanes_.slip + 2 * i));
     Put(grip_[i].rate, At(grip_[i].first_rate));
   }
@@ -135,7 +136,6 @@ void FrictionStep::Spread(int i) {
 // By bodies: the slip at the end of the step, and what goes on at its end.
 void FrictionStep::FindSlip(int i) {
   const BodyRows* rows = problem_.delassus.by_body;
-  if (!rows) return;
   const int k = lanes_.contact(i);
   const double *of_slip = rows->work, *of_rate = rows->work + rows->dofs();
   for (int a = 0; a < 2; ++a) {
@@ -146,23 +146,24 @@ void FrictionStep::FindSlip(int i) {
 
 // Gauss-Seidel; returns the largest change of a slip by the friction of its own contact.
 double FrictionStep::Sweep() {
+  const bool by_body = problem_.delassus.by_body;
   double largest = 0;
   for (int i = 0; i < lanes_.size(); ++i) {
     Grip& grip = grip_[i];
     const double R = grip.mu * dP[i];
     if (R <= 0) continue;
-    FindSlip(i);
+    if (by_body) FindSlip(i);
     const Tangents& A = grip.A;
-    const Pair before = dP[i] * At(lanes_.ratio + 2 * i);
     const ContactStep step{A,
                            grip.inverse,
                            R,
                            At(lanes_.slip + 2 * i),
                            At(grip.slip) - Times(A, At(grip.p)),
-                           At(grip.first_rate) - Times(A, before),
-                           At(grip.rate) - Times(A, At(grip.ratio)),
-                           before,
-                           grip.stuck};
+                           dP[i] * At(lanes_.ratio + 2 * i),
+                           grip.stuck,
+                           grip.first_rate,
+                           grip.rate,
+                           grip.ratio};
     const StepFriction friction = FrictionOfStep(step);
     grip.theta = friction.theta;
     Put(grip.expected, step.b + Times(A, friction.p));
@@ -233,26 +234,29 @@ void FrictionStep::Finish(const double* rate, double* y_new, double* c_new) {
 double FrictionStep::Error(int i, const double* F, const double* F_new) const {
   // parts of what they could do at most: a slip that turns; a contact that stops or begins to slide
   // halfway; what sweeps leave of the slip
-  constexpr double kTurns = 0.15, kStops = 0.2, kLeft = 0.1;
+  constexpr double kTurns = 0.15, kStops = 0.1, kLeft = 0.1;
   const Grip& grip = grip_[i];
-  const Pair ratio = At(grip.ratio), before = dP[i] * At(lanes_.ratio + 2 * i), v = At(grip.slip);
-  const double R = grip.mu * dP[i];
-  const bool sticks = Dot(ratio, ratio) < kWithin * R * R;
-  const double left = kLeft * Length(v - At(grip.expected));
+  const Pair unexpected = At(grip.slip) - At(grip.expected);
+  const double left = kLeft * Length(unexpected);
+  const Pair ratio = At(grip.ratio), before = dP[i] * At(lanes_.ratio + 2 * i);
+  const Pair end = ratio - before, mean = At(grip.p) - before;
+  const double square = std::max(Dot(end, end), Dot(mean, mean));
   // a contact that begins to press has had no ratio before
-  if (F[i] <= 0) return left;
-  const double change = std::max(Length(ratio - before), Length(At(grip.p) - before));
+  if (square == 0 || F[i] <= 0) return left;
+  const double change = std::sqrt(square), R = grip.mu * dP[i];
   if (grip.theta > 0 && grip.theta < 1) {
     const double halfway = 4 * grip.theta * (1 - grip.theta);
     return std::max(left, kStops * halfway * grip.weight * change);
   }
-  if (sticks || grip.stuck) return left;
+  if (grip.stuck || Dot(ratio, ratio) < kWithin * R * R) return left;
   const double of_force = std::abs(F_new[i] - F[i]) / (F_new[i] + F[i]);
   return std::max(left, kTurns * (change / R + of_force) * grip.weight * change);
 }
 
 double FrictionStep::Growth(double error) const {
-  const double growth = std::clamp(0.85 * std::pow(error + 1e-10, -0.4), 0.1, 5.0);
+  constexpr double kMost = 5, kSmall = 0.01;
+  if (error < kSmall) return kMost;
+  const double growth = std::clamp(0.85 * std::pow(error, -0.4), 0.1, kMost);
   return error > 1 ? std::max(growth, stop_) : growth;
 }
 

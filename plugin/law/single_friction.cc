@@ -86,8 +86,11 @@ Piece SinglePath::Try(double dP) const {
   const Pair push = dP * At(contact_.block.tn);
   Piece piece{dP, 0, {}, {}};
   if (contact_.mu > 0) {
-    piece.friction = FrictionOfStep(
-        {A_, inverse_, contact_.mu * dP, v_, v_ + push, push, push, dP * ratio_, stuck_});
+    constexpr double kNone[2] = {0, 0};
+    const Pair first = push + Times(A_, dP * ratio_);
+    const double first_rate[2] = {first[0], first[1]}, rate[2] = {push[0], push[1]};
+    piece.friction = FrictionOfStep({A_, inverse_, contact_.mu * dP, v_, v_ + push, dP * ratio_,
+                                     stuck_, first_rate, rate, kNone});
   }
   piece.c = c_ - contact_.W * dP - Dot(At(contact_.block.nt), piece.friction.p);
   piece.v = v_ + push + Times(A_, piece.friction.p);

@@ -113,7 +113,8 @@ TEST(Coulomb, APileThatIsLeftToRestEndsSoonerAndGainsNothing) {
 // A step in which nothing else pushes: slip v, at the end b without friction.
 StepFriction Rub(const Tangents& A, Pair v, Pair b, double R) {
   const Tangents inverse = Inverse(A);
-  return FrictionOfStep({A, inverse, R, v, b, b - v, b - v, Pair{}, false});
+  const double rate[2] = {b[0] - v[0], b[1] - v[1]}, none[2] = {0, 0};
+  return FrictionOfStep({A, inverse, R, v, b, Pair{}, false, rate, rate, none});
 }
 
 TEST(FrictionOnDisc, SlidingIsAgainstTheMeanSlipAndOnTheRim) {
