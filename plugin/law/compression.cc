@@ -152,7 +152,7 @@ double Integrator::TryStep(double h) {
          problem_.tolerance;
 }
 
-// The friction of the step tried: changes c_new, and returns the error of it.
+// Solves the friction of the step tried and returns its error.
 double Integrator::TryFriction(double h) {
   const double *F1 = force_[0], *F2 = force_[1], *F3 = force_[2], *F4 = force_[3];
   for (int i = 0; i < lanes_.size(); ++i) {
@@ -161,7 +161,7 @@ double Integrator::TryFriction(double h) {
     friction_->lead[i] =
         h * h * (kPosition[0] * F1[i] + kPosition[1] * F2[i] + kPosition[2] * F3[i]);
   }
-  return friction_->Try(F1, F4, rate_, y_new_, c_new_);
+  return friction_->Try(F1, F4);
 }
 
 // Whether a step of length h has followed the contact of lane i too far beyond its turn: for δt, in
@@ -409,6 +409,7 @@ ImpactReport Integrator::Run() {
         continue;
       }
       growth_of_friction = std::max(growth_of_friction, kShortest * scale_.time / h);
+      friction_->Finish(rate_, y_new_, c_new_);
     }
     Accept(h);
     if (!lossless_) UpdatePhases();

@@ -41,7 +41,7 @@ Pair OnRim(const Tangents& A, Pair g, double R) {
   double lambda = std::max(0.0, length / R - Dot(d, Times(A, d)));
   Pair p = Solve(A, lambda, g);
   constexpr int kMost = 20;
-  constexpr double kEnough = 1e-6;  // |p| is made R, and its direction changes slower
+  constexpr double kEnough = 1e-5;  // |p| is made R, and its direction changes slower
   double size = Length(p);
   for (int i = 0; i < kMost && std::abs(size - R) > kEnough * R; ++i) {
     // d|p|²/dλ = −2 p·(A + λ)⁻¹ p
@@ -100,9 +100,19 @@ StepFriction Stops(const ContactStep& step, Pair stops, Pair needed) {
 StepFriction ThroughZero(const ContactStep& step, double speed) {
   if (speed == 0) return ThenSlides(step, kNothing, Pair{});
   const Pair d = 1 / speed * step.v;
-  const Pair rate = At(step.first_rate) - Times(step.A, step.before);
-  const double slowing = step.R * Dot(d, Times(step.A, d)) - Dot(rate, d);
-  const double theta = slowing > speed ? speed / slowing : 1;
+  // along the slip: what slows it down, and the rates at which all else changes it, of which the
+  // second takes over where the change of the whole step says
+  const double slows = step.R * Dot(d, Times(step.A, d));
+  const double first = Dot(At(step.first_rate) - Times(step.A, step.before), d);
+  const double second = Dot(RateAtEnd(step), d), mean = Dot(step.b - step.v, d);
+  const double between = first - second;
+  const double part =
+      std::abs(between) > kNothing * slows ? std::clamp((mean - second) / between, 0.0, 1.0) : 1;
+  double theta = slows > first ? speed / (slows - first) : 1;
+  if (theta > part) {
+    const double left = speed - (slows - first) * part;
+    theta = slows > second ? std::min(1.0, part + left / (slows - second)) : 1;
+  }
   return ThenSlides(step, theta, -theta * step.R * d);
 }
 

@@ -18,7 +18,7 @@ constexpr double kFrictionTolerance = 10;
 
 // Parts of that from which a change of slip goes round to the other contacts, and calls for another
 // sweep.
-constexpr double kChange = 1e-2, kAnotherSweep = 1e-1;
+constexpr double kChange = 1e-2, kAnotherSweep = 5e-1;
 
 // Ratios of less than this part of μ are within the cone.
 constexpr double kWithin = 1 - 1e-9;
@@ -27,8 +27,6 @@ double Dot(Pair x, Pair y) {
   const Pair product = x * y;
   return product[0] + product[1];
 }
-
-double Length(Pair x) { return std::sqrt(Dot(x, x)); }
 
 void Add(double* to, Pair x) { Put(to, At(to) + x); }
 
@@ -43,7 +41,9 @@ FrictionStep::FrictionStep(const ImpactProblem& problem, const ImpactScale& scal
       tangents_(problem.delassus.by_body ? TangentRows(problem.delassus, friction_) : BodyRows{}),
       enough_(kChange * kFrictionTolerance * problem.tolerance * scale.speed),
       tolerance_(kFrictionTolerance * problem.tolerance * scale.speed),
-      grip_(new (lanes.Take(kArrays - 2)) Grip[problem.delassus.size]) {
+      slip_(lanes.Take(2)),
+      rate_(lanes.Take(2)),
+      grip_(new (lanes.Take(kGrip)) Grip[problem.delassus.size]) {
   Load();
 }
 
@@ -60,11 +60,9 @@ void FrictionStep::Load() {
   }
 }
 
-double FrictionStep::Try(const double* F, const double* F_new, const double* rate, double* y_new,
-                         double* c_new) {
+double FrictionStep::Try(const double* F, const double* F_new) {
   Begin(F);
   for (int i = 0; i < kSweeps && Sweep() > kAnotherSweep * tolerance_; ++i) continue;
-  Finish(rate, y_new, c_new);
   double largest = 0;
   stop_ = 0;
   for (int i = 0; i < lanes_.size(); ++i) {
@@ -77,17 +75,21 @@ double FrictionStep::Try(const double* F, const double* F_new, const double* rat
   return largest / tolerance_;
 }
 
-// Calls visit(grip, block) for the lanes that contact k couples with, in compressed rows.
+// Calls visit(lane, block) for the lanes that contact k couples with, in compressed rows.
 template <typename Visit>
 void FrictionStep::ForLanes(int k, Visit visit) {
   const DelassusMatrix& W = problem_.delassus;
   const int* column = W.column;
   const TangentBlock* block = friction_.block;
   const Lanes& lanes = lanes_;
-  Grip* grip = grip_;
-  for (int a = W.row_start[k], end = W.row_start[k + 1]; a < end; ++a) {
+  const int begin = W.row_start[k], end = W.row_start[k + 1];
+  if (lanes.all()) {
+    for (int a = begin; a < end; ++a) visit(column[a], block[a]);
+    return;
+  }
+  for (int a = begin; a < end; ++a) {
     const int j = lanes.lane(column[a]);
-    if (j >= 0) visit(grip[j], block[a]);
+    if (j >= 0) visit(j, block[a]);
   }
 }
 
@@ -97,14 +99,15 @@ void FrictionStep::Begin(const double* F) {
   if (const BodyRows* rows = problem_.delassus.by_body) {
     std::fill_n(rows->work, rows->dofs(), 0.0);
   }
-  for (int i = 0; i < n; ++i) Put(grip_[i].slip, At(lanes_.slip + 2 * i));
+  std::copy_n(lanes_.slip, 2 * n, slip_);
   for (int i = 0; i < n; ++i) {
+    if (dP[i] <= 0) continue;
     Grip& grip = grip_[i];
-    const Pair ratio = At(lanes_.ratio + 2 * i), p = std::max(0.0, dP[i]) * ratio;
+    const Pair ratio = At(lanes_.ratio + 2 * i), p = dP[i] * ratio;
     grip.stuck = F[i] > 0 && Dot(ratio, ratio) < kWithin * grip.mu * grip.mu;
     grip.theta = 0;
     for (double* one : {grip.p, grip.lead, grip.ratio}) Put(one, p);
-    if (dP[i] > 0) Spread(i);
+    Spread(i);
   }
   if (const BodyRows* rows = problem_.delassus.by_body) {
     std::copy_n(rows->work, rows->dofs(), rows->work + rows->dofs());
@@ -112,8 +115,8 @@ void FrictionStep::Begin(const double* F) {
   for (int i = 0; i < n; ++i) {
     if (grip_[i].mu <= 0 || dP[i] <= 0) continue;
     if (problem_.delassus.by_body) FindSlip(i);
-    Put(grip_[i].first_rate, At(grip_[i].slip) - At(lanes_.slip + 2 * i));
-    Put(grip_[i].rate, At(grip_[i].first_rate));
+    Put(grip_[i].first_rate, At(slip_ + 2 * i) - At(lanes_.slip + 2 * i));
+    Put(rate_ + 2 * i, At(grip_[i].first_rate));
   }
 }
 
@@ -128,8 +131,8 @@ void FrictionStep::Spread(int i) {
     return;
   }
   const double impulse = dP[i], p0 = p[0], p1 = p[1];
-  ForLanes(k, [&](Grip& grip, const TangentBlock& block) {
-    Add(grip.slip, impulse * At(block.nt) + p0 * At(block.tt[0]) + p1 * At(block.tt[1]));
+  ForLanes(k, [&, slip = slip_](int j, const TangentBlock& block) {
+    Add(slip + 2 * j, impulse * At(block.nt) + p0 * At(block.tt[0]) + p1 * At(block.tt[1]));
   });
 }
 
@@ -139,8 +142,8 @@ void FrictionStep::FindSlip(int i) {
   const int k = lanes_.contact(i);
   const double *of_slip = rows->work, *of_rate = rows->work + rows->dofs();
   for (int a = 0; a < 2; ++a) {
-    grip_[i].slip[a] = lanes_.slip[2 * i + a] + RowTimes(tangents_, 2 * k + a, of_slip);
-    grip_[i].rate[a] = RowTimes(tangents_, 2 * k + a, of_rate);
+    slip_[2 * i + a] = lanes_.slip[2 * i + a] + RowTimes(tangents_, 2 * k + a, of_slip);
+    rate_[2 * i + a] = RowTimes(tangents_, 2 * k + a, of_rate);
   }
 }
 
@@ -158,17 +161,15 @@ double FrictionStep::Sweep() {
                            grip.inverse,
                            R,
                            At(lanes_.slip + 2 * i),
-                           At(grip.slip) - Times(A, At(grip.p)),
+                           At(slip_ + 2 * i) - Times(A, At(grip.p)),
                            dP[i] * At(lanes_.ratio + 2 * i),
                            grip.stuck,
                            grip.first_rate,
-                           grip.rate,
+                           rate_ + 2 * i,
                            grip.ratio};
     const StepFriction friction = FrictionOfStep(step);
     grip.theta = friction.theta;
-    Put(grip.expected, step.b + Times(A, friction.p));
-    const Pair change = Max(Max(Abs(friction.p - At(grip.p)), Abs(friction.lead - At(grip.lead))),
-                            Abs(friction.ratio - At(grip.ratio)));
+    const Pair change = Max(Abs(friction.p - At(grip.p)), Abs(friction.ratio - At(grip.ratio)));
     const double size = grip.weight * Larger(change);
     if (size <= enough_) continue;
     Change(i, friction);
@@ -192,10 +193,18 @@ void FrictionStep::Change(int i, const StepFriction& friction) {
     }
     return;
   }
-  ForLanes(k, [&](Grip& other, const TangentBlock& block) {
+  if (by[0] == ratio_by[0] && by[1] == ratio_by[1]) {
+    ForLanes(k, [&, slip = slip_, rate = rate_](int j, const TangentBlock& block) {
+      const Pair more = by[0] * At(block.tt[0]) + by[1] * At(block.tt[1]);
+      Add(slip + 2 * j, more);
+      Add(rate + 2 * j, more);
+    });
+    return;
+  }
+  ForLanes(k, [&, slip = slip_, rate = rate_](int j, const TangentBlock& block) {
     const Pair t1 = At(block.tt[0]), t2 = At(block.tt[1]);
-    Add(other.slip, by[0] * t1 + by[1] * t2);
-    Add(other.rate, ratio_by[0] * t1 + ratio_by[1] * t2);
+    Add(slip + 2 * j, by[0] * t1 + by[1] * t2);
+    Add(rate + 2 * j, ratio_by[0] * t1 + ratio_by[1] * t2);
   });
 }
 
@@ -233,24 +242,22 @@ void FrictionStep::Finish(const double* rate, double* y_new, double* c_new) {
 // What the step may have wrong of velocities, on account of the friction of a lane.
 double FrictionStep::Error(int i, const double* F, const double* F_new) const {
   // parts of what they could do at most: a slip that turns; a contact that stops or begins to slide
-  // halfway; what sweeps leave of the slip
-  constexpr double kTurns = 0.15, kStops = 0.1, kLeft = 0.1;
+  // halfway
+  constexpr double kTurns = 0.15, kStops = 0.07;
   const Grip& grip = grip_[i];
-  const Pair unexpected = At(grip.slip) - At(grip.expected);
-  const double left = kLeft * Length(unexpected);
   const Pair ratio = At(grip.ratio), before = dP[i] * At(lanes_.ratio + 2 * i);
   const Pair end = ratio - before, mean = At(grip.p) - before;
   const double square = std::max(Dot(end, end), Dot(mean, mean));
   // a contact that begins to press has had no ratio before
-  if (square == 0 || F[i] <= 0) return left;
+  if (square == 0 || F[i] <= 0) return 0;
   const double change = std::sqrt(square), R = grip.mu * dP[i];
   if (grip.theta > 0 && grip.theta < 1) {
     const double halfway = 4 * grip.theta * (1 - grip.theta);
-    return std::max(left, kStops * halfway * grip.weight * change);
+    return kStops * halfway * grip.weight * change;
   }
-  if (grip.stuck || Dot(ratio, ratio) < kWithin * R * R) return left;
+  if (grip.stuck || Dot(ratio, ratio) < kWithin * R * R) return 0;
   const double of_force = std::abs(F_new[i] - F[i]) / (F_new[i] + F[i]);
-  return std::max(left, kTurns * (change / R + of_force) * grip.weight * change);
+  return kTurns * (change / R + of_force) * grip.weight * change;
 }
 
 double FrictionStep::Growth(double error) const {
@@ -264,7 +271,7 @@ bool FrictionStep::Accept(double t) {
   bool changed = false;
   for (int i = 0; i < lanes_.size(); ++i) {
     const Grip& grip = grip_[i];
-    Put(lanes_.slip + 2 * i, At(grip.slip));
+    Put(lanes_.slip + 2 * i, At(slip_ + 2 * i));
     const Pair before = At(lanes_.ratio + 2 * i);
     Pair ratio{};
     if (dP[i] > 0) {

@@ -24,7 +24,7 @@ class FrictionStep {
  public:
   FrictionStep(const ImpactProblem& problem, const ImpactScale& scale, Lanes& lanes);
 
-  static constexpr int kArrays = 29;   // numbers a lane
+  static constexpr int kArrays = 24;   // numbers a lane
   static constexpr int kProducts = 4;  // what a step costs, in products by W
 
   // To be called whenever the lanes are other ones.
@@ -37,16 +37,18 @@ class FrictionStep {
   // ∫ (h − s) F ds.
   double *dP, *lead;
 
-  // Solves the friction of a step, and takes what other ratios than before do into the compressions
-  // and closing speeds at its end; `rate` is dy/dt over c. Returns the error, in units of the
-  // tolerance. F and F_new are the normal forces at both ends.
-  double Try(const double* F, const double* F_new, const double* rate, double* y_new,
-             double* c_new);
+  // Solves the friction of a step. Returns the error, in units of the tolerance. F and F_new are
+  // the normal forces at both ends.
+  double Try(const double* F, const double* F_new);
 
   // Factor for the next step after one with this error: to where a contact stops, if that is it.
   double Growth(double error) const;
 
-  // Accepts the step tried, which ends at t. Returns whether it has changed the compressions or any
+  // Takes what other ratios than before do into the compressions and closing speeds at the end of
+  // the step tried; `rate` is dy/dt over c.
+  void Finish(const double* rate, double* y_new, double* c_new);
+
+  // Accepts the step, which ends at t. Returns whether it has changed the compressions or any
   // ratio.
   bool Accept(double t);
 
@@ -59,10 +61,10 @@ class FrictionStep {
     bool stuck;
     double theta;
     double p[2], lead[2], ratio[2];  // of the step tried
-    double slip[2], expected[2];     // at its end, and as its own sweep has left it
-    double rate[2], first_rate[2];   // change of slip in a step
+    double first_rate[2];            // of its slip, as in ContactStep
   };
-  static_assert(sizeof(Grip) <= (kArrays - 2) * sizeof(double));
+  static constexpr int kGrip = (sizeof(Grip) + sizeof(double) - 1) / sizeof(double);
+  static_assert(kGrip + 6 <= kArrays);
 
   template <typename Visit>
   void ForLanes(int k, Visit visit);
@@ -71,7 +73,6 @@ class FrictionStep {
   double Sweep();
   void Change(int i, const StepFriction& friction);
   void FindSlip(int i);
-  void Finish(const double* rate, double* y_new, double* c_new);
   double Error(int i, const double* F, const double* F_new) const;
 
   const ImpactProblem& problem_;
@@ -81,7 +82,8 @@ class FrictionStep {
   const double enough_;      // a slip that is none [m/s]
   const double tolerance_;   // [m/s]
   double stop_ = 0;  // the part of the step after which the contact with the largest error stops
-  Grip* grip_;       // by lane
+  double *slip_, *rate_;  // by lane (2): at the end of the step, as in ContactStep
+  Grip* grip_;            // by lane
 };
 
 }  // namespace mujoco_impact::law

@@ -3,6 +3,7 @@
 #include "law/lanes.h"
 
 #include <algorithm>
+#include <cstddef>
 
 namespace mujoco_impact::law {
 
@@ -96,6 +97,7 @@ void Lanes::StoreFriction() const {
 }
 
 void Lanes::LoadFriction() {
+  full_ = IsFull();
   SlipAfter(problem_.delassus, *problem_.friction, solution_.impulse, solution_.friction,
             solution_.slip);
   for (int i = 0; i < size(); ++i) {
@@ -134,6 +136,16 @@ void Lanes::Load() {
   if (problem_.friction) LoadFriction();
 }
 
+bool Lanes::IsFull() const {
+  const DelassusMatrix& W = problem_.delassus;
+  const int n = size();
+  if (W.by_body || n < W.size || W.row_start[n] != n * n) return false;
+  for (int a = 0; a < n * n; ++a) {
+    if (W.column[a] != a % n) return false;
+  }
+  return true;
+}
+
 // Column i of the product by W is row i, transposed: friction's share of it is with the tangents of
 // the contact of lane i.
 void Lanes::SetRatio(int i, Pair r) {
@@ -156,16 +168,27 @@ void Lanes::SetRatio(int i, Pair r) {
 void Lanes::MultiplyColumns(const double* x, double* product) const {
   const DelassusMatrix& W = problem_.delassus;
   const double* value = problem_.friction->work;
-  const int *column = W.column, *lane = lane_;
   std::fill_n(product, padded(), 0.0);
+  if (full_) {
+    for (int i = 0, n = size(); i < n; ++i) {
+      if (x[i] == 0) continue;
+      const double* row = value + static_cast<std::ptrdiff_t>(i) * n;
+      for (int j = 0; j + 1 < n; j += 2) Put(product + j, At(product + j) + x[i] * At(row + j));
+      if (n & 1) product[n - 1] += x[i] * row[n - 1];
+    }
+    return;
+  }
+  const int *column = W.column, *lane = lane_;
   for (int i = 0; i < size(); ++i) {
     const double force = x[i];
     if (force == 0) continue;
-    const int k = contact(i);
-    for (int a = W.row_start[k], end = W.row_start[k + 1]; a < end; ++a) {
-      // what is in front of an array takes what is outside the window
-      product[lane[column[a]]] += value[a] * force;
+    const int k = contact(i), begin = W.row_start[k], end = W.row_start[k + 1];
+    if (all()) {
+      for (int a = begin; a < end; ++a) product[column[a]] += value[a] * force;
+      continue;
     }
+    // what is in front of an array takes what is outside the window
+    for (int a = begin; a < end; ++a) product[lane[column[a]]] += value[a] * force;
   }
 }
 

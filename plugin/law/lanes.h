@@ -29,6 +29,9 @@ class Lanes {
   int padded() const { return (size() + 1) & ~1; }
   int contact(int i) const { return window_[i]; }
 
+  // Whether every contact is in its own lane.
+  bool all() const { return size() == problem_.delassus.size; }
+
   // Multiplications in W x, about.
   double product_cost() const { return product_cost_; }
 
@@ -78,6 +81,7 @@ class Lanes {
   void MultiplyByBody(const BodyRows& rows, const double* x, double* product) const;
   void MultiplyColumns(const double* x, double* product) const;
   void LoadFriction();
+  bool IsFull() const;
   void StoreFriction() const;
   bool MustMove(double t) const;
 
@@ -91,6 +95,7 @@ class Lanes {
   double* matters_;                   // by lane: 1 if it keeps its neighbours in the window
   double *lower_, *middle_, *upper_;  // W, if lanes couple with their neighbours only
   bool tridiagonal_ = false;
+  bool full_ = false;  // with friction: all lanes couple, in the order of the contacts
   double product_cost_ = 0;
 };
 

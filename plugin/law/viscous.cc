@@ -128,7 +128,7 @@ double Integrator::TryStep(double h) {
   return error / problem_.tolerance;
 }
 
-// The friction of the step tried: changes c_new, and returns the error of it.
+// Solves the friction of the step tried and returns its error.
 double Integrator::TryFriction(double h) {
   for (int i = 0; i < lanes_.size(); ++i) {
     double dP = 0, lead = 0;
@@ -140,7 +140,7 @@ double Integrator::TryFriction(double h) {
     friction_->dP[i] = dP;
     friction_->lead[i] = lead;
   }
-  return friction_->Try(force_[0], force_[kStages - 1], rate_, y_new_, c_new_);
+  return friction_->Try(force_[0], force_[kStages - 1]);
 }
 
 void Integrator::Accept(double h) {
@@ -202,6 +202,7 @@ ImpactReport Integrator::Run() {
       growth = std::min(growth, friction_->Growth(of_friction));
     }
     if (error <= 1 && (of_friction <= 1 || h <= kShortest * scale_.time)) {
+      if (friction_) friction_->Finish(rate_, y_new_, c_new_);
       Accept(h);
       MoveWindow();
       ++report.steps;
