@@ -102,7 +102,13 @@ def compare(
     video: VideoOption = False,
     json_file: JsonOption = None,
 ) -> None:
-    """Compare our impacts with MuJoCo's own contacts, accuracy and run time."""
+    """Compare our impacts with MuJoCo's own contacts, accuracy and run time.
+
+    MuJoCo's contacts run as the scene has them, and with their best settings for
+    impacts: a damper that reverses speeds within a step, springs without damping
+    (compliant), and springs that push as Hertz contacts do (Hertz-like; h/10: with a
+    tenth of the timestep).
+    """
     with clean_errors():
         check_outputs(png, json_file)
         check_report_options(html, video=video)

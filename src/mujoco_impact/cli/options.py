@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 import cradle_models
+from mujoco_impact.settings import SETTINGS
 from mujoco_impact.starts import RELEASE
 
 STANDARD_INPUT = "-"
@@ -47,7 +48,10 @@ KeyframeOption = Annotated[
 SetOption = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", metavar="KEY=VALUE", help="Setting of the impact law; repeatable."
+        "--set",
+        metavar="KEY=VALUE",
+        help="Setting of the impact law, such as restitution=0.9; repeatable. Keys: "
+        f"{', '.join(SETTINGS)}.",
     ),
 ]
 GeomsOption = Annotated[
