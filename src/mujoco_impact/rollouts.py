@@ -29,6 +29,7 @@ from mujoco_impact.runner import (
     load_model,
     step_count,
 )
+from mujoco_impact.starts import Keyframe, keyframe_names, settled
 from mujoco_impact.trajectory import Array
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
@@ -66,7 +67,7 @@ def rollout(
     duration: float,
     qpos: npt.ArrayLike | None = None,
     qvel: npt.ArrayLike | None = None,
-    keyframe: str | int | None = None,
+    keyframe: Keyframe = None,
     initial_state: npt.ArrayLike | None = None,
     control: npt.ArrayLike | None = None,
     every: int = 1,
@@ -83,7 +84,7 @@ def rollout(
         duration: Simulated time [s].
         qpos: Initial positions, shape (N, nq), or (nq,) for all.
         qvel: Initial velocities, shape (N, nv), or (nv,) for all.
-        keyframe: Where the rest of the initial state comes from.
+        keyframe: Where the rest of the initial state comes from; see `run`.
         initial_state: Whole states (`STATE`), shape (N, n_state), instead of the three
             above, for example `final_state` of rollouts to be continued.
         control: Controls, shape (N, steps, nu), or (steps, nu) for all.
@@ -127,7 +128,7 @@ def initial_states(
     *,
     qpos: npt.ArrayLike | None = None,
     qvel: npt.ArrayLike | None = None,
-    keyframe: str | int | None = None,
+    keyframe: Keyframe = None,
 ) -> Array:
     """Returns states to start from (`STATE`), shape (N, n_state).
 
@@ -135,12 +136,14 @@ def initial_states(
         model: The model.
         qpos: Positions, shape (N, nq), or (nq,) for all; by default of the keyframe.
         qvel: Velocities, shape (N, nv), or (nv,) for all; by default of the keyframe.
-        keyframe: Name or number of a keyframe; by default the model's initial state.
+        keyframe: See `run`.
 
     Raises:
         SceneError: If a shape does not fit or there is no such keyframe.
     """
-    data = initial_data(model, keyframe=keyframe)
+    state = qpos is not None or qvel is not None
+    start = settled(keyframe_names(model), keyframe, given=state)
+    data = initial_data(model, keyframe=start)
     given = {
         name: _rows(name, values, getattr(data, name).size)
         for name, values in (("qpos", qpos), ("qvel", qvel))
