@@ -19,9 +19,11 @@ double LongestFlight(const ImpactProblem& problem, const ImpactScale& scale, dou
   return std::min(std::max(problem.flight, same_impact), problem.horizon + same_impact - t);
 }
 
-// The speed up to which a contact is left to rest if nothing presses it.
-double RestSpeed(const ImpactProblem& problem, int contact) {
-  return problem.rest_speed ? problem.rest_speed[contact] : 0;
+// The speed up to which a contact is left to rest if nothing presses it. With friction contacts of
+// e = 0 would otherwise wait for ever at speeds below the floor for one that closes much later.
+double RestSpeed(const ImpactProblem& problem, const ImpactScale& scale, int contact) {
+  const double floor = problem.friction ? kSpeedFloor * problem.tolerance * scale.speed : 0;
+  return problem.rest_speed ? std::max(floor, problem.rest_speed[contact]) : floor;
 }
 
 // Whether a contact that shares a body with the one of lane i is compressed.
@@ -62,7 +64,8 @@ bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Lanes&
     const double y = lanes.y[i], c = lanes.c[i];
     if (y > y_floor) return false;
     const bool closes_in_time = y >= 0 || -y < c * time_left;
-    if (c > c_floor && closes_in_time && c > RestSpeed(problem, lanes.contact(i))) return false;
+    if (c > c_floor && closes_in_time && c > RestSpeed(problem, scale, lanes.contact(i)))
+      return false;
   }
   return lanes.window().NextArrival() >= t + time_left;
 }
@@ -77,7 +80,7 @@ bool FlyToNextClosing(const ImpactProblem& problem, const ImpactScale& scale, La
   double flight = std::min(longest, lanes.window().NextArrival() - *t);
   int next = -1;
   for (int i = 0; i < lanes.size(); ++i) {
-    if (lanes.c[i] <= RestSpeed(problem, lanes.contact(i))) continue;
+    if (lanes.c[i] <= RestSpeed(problem, scale, lanes.contact(i))) continue;
     if (-lanes.y[i] > flight * lanes.c[i]) continue;
     flight = -lanes.y[i] / lanes.c[i];
     next = i;
@@ -86,9 +89,8 @@ bool FlyToNextClosing(const ImpactProblem& problem, const ImpactScale& scale, La
   for (int i = 0; i < lanes.size(); ++i) lanes.y[i] += flight * lanes.c[i];
   if (next >= 0) lanes.y[next] = 0;
   // compression of contacts left to rest would be energy from nowhere
-  for (int i = 0; problem.rest_speed && i < lanes.size(); ++i) {
-    lanes.y[i] = std::min(lanes.y[i], 0.0);
-  }
+  const bool any_rests = problem.rest_speed || problem.friction;
+  for (int i = 0; any_rests && i < lanes.size(); ++i) lanes.y[i] = std::min(lanes.y[i], 0.0);
   *t += flight;
   return true;
 }
