@@ -368,7 +368,7 @@ ImpactReport Integrator::Run() {
   double h = first_step;
   ImpactReport report{0, true};
   int turns = 0;
-  while (!IsOver(problem_, scale_, lanes_, t_)) {
+  while (!IsOver(problem_, scale_, lanes_, t_) && !IsAtRest(problem_, lanes_)) {
     if (work_ >= problem_.work) {
       report.converged = false;
       break;

@@ -36,9 +36,22 @@ bool IsPressedFromBeside(const ImpactProblem& problem, const Lanes& lanes, int i
   return pressed;
 }
 
-// Whether no contact of the window moves, or would after expanding, faster than it may at rest.
-bool IsAtRest(const ImpactProblem& problem, const Lanes& lanes) {
-  if (!problem.rest_speed) return false;
+}  // namespace
+
+bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Lanes& lanes, double t) {
+  const double y_floor = kCompressionFloor * problem.tolerance * scale.compression;
+  const double c_floor = kSpeedFloor * problem.tolerance * scale.speed;
+  const double time_left = LongestFlight(problem, scale, t);
+  for (int i = 0; i < lanes.size(); ++i) {
+    const double y = lanes.y[i], c = lanes.c[i];
+    if (y > y_floor) return false;
+    const bool closes_in_time = y >= 0 || -y < c * time_left;
+    if (c > c_floor && closes_in_time) return false;
+  }
+  return lanes.window().NextArrival() >= t + time_left;
+}
+
+bool MovesSlowly(const ImpactProblem& problem, const Lanes& lanes) {
   const double e = problem.restitution;
   for (int i = 0; i < lanes.size(); ++i) {
     const int k = lanes.contact(i);
@@ -51,23 +64,6 @@ bool IsAtRest(const ImpactProblem& problem, const Lanes& lanes) {
     if (moves) return false;
   }
   return true;
-}
-
-}  // namespace
-
-bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Lanes& lanes, double t) {
-  if (IsAtRest(problem, lanes)) return true;
-  const double y_floor = kCompressionFloor * problem.tolerance * scale.compression;
-  const double c_floor = kSpeedFloor * problem.tolerance * scale.speed;
-  const double time_left = LongestFlight(problem, scale, t);
-  for (int i = 0; i < lanes.size(); ++i) {
-    const double y = lanes.y[i], c = lanes.c[i];
-    if (y > y_floor) return false;
-    const bool closes_in_time = y >= 0 || -y < c * time_left;
-    if (c > c_floor && closes_in_time && c > RestSpeed(problem, scale, lanes.contact(i)))
-      return false;
-  }
-  return lanes.window().NextArrival() >= t + time_left;
 }
 
 bool AnyCompressed(const Lanes& lanes) {

@@ -37,6 +37,12 @@ inline double SearchCost(const ImpactProblem& problem, const Lanes& lanes) {
 // Whether every contact has opened, or will not close in time, at time t.
 bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Lanes& lanes, double t);
 
+// Whether no contact of the window moves, or would after expanding, faster than it may at rest.
+bool MovesSlowly(const ImpactProblem& problem, const Lanes& lanes);
+inline bool IsAtRest(const ImpactProblem& problem, const Lanes& lanes) {
+  return problem.rest_speed && MovesSlowly(problem, lanes);
+}
+
 bool AnyCompressed(const Lanes& lanes);
 
 // Flies to the next closing, no contact being compressed; false if none comes in time. A contact

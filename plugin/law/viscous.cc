@@ -182,7 +182,7 @@ ImpactReport Integrator::Run() {
   const double first_step = 0.05 * scale_.time;
   double h = first_step;
   ImpactReport report{0, true};
-  while (!IsOver(problem_, scale_, lanes_, t_)) {
+  while (!IsOver(problem_, scale_, lanes_, t_) && !IsAtRest(problem_, lanes_)) {
     if (work_ >= problem_.work) {
       report.converged = false;
       break;
