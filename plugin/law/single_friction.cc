@@ -25,7 +25,12 @@ constexpr double kStopped = 0.1;
 
 constexpr int kMostTries = 2000;
 
-// Gauss-Legendre on [0, 1].
+// Pieces whose impulse is a smaller part of the one that stops the contact are small.
+constexpr double kSmall = 0.1;
+
+// Gauss-Legendre on [0, 1], and that of two nodes for small pieces.
+constexpr double kNode2[2] = {0.211324865405187, 0.788675134594813};
+constexpr double kWeight2[2] = {0.5, 0.5};
 constexpr int kNodes = 5;
 constexpr double kNode[kNodes] = {0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842,
                                   0.953089922969332};
@@ -69,6 +74,7 @@ class SinglePath {
   bool stuck_ = false;  // whether that is within the cone
   bool expands_ = false, over_ = false;
   double energy_ = 0;  // stored [J]
+  double most_ = 0;    // that ever was
   SingleFriction sum_{};
 };
 
@@ -132,6 +138,7 @@ void SinglePath::Accept(const Piece& piece, bool ends) {
   over_ = ends && (expands_ ? piece.c <= 0 : over_e2_ == 0);
   AddTime(piece, over_ && expands_ ? 0 : after);
   energy_ = after;
+  most_ = std::max(most_, after);
   ratio_ = 1 / piece.dP * friction.ratio;
   stuck_ = Dot(friction.ratio, friction.ratio) < kWithin * R * R;
   v_ = piece.v;
@@ -153,9 +160,11 @@ void SinglePath::AddTime(const Piece& piece, double after) {
   const double rate = expands_ ? over_e2_ : 1, dP = piece.dP, a = (c_ - piece.c) / dP;
   const bool begins = energy_ == 0, ends = after == 0;
   double time = 0, lag = 0;  // ∫ ds / F, ∫ s ds / F
-  for (int i = 0; i < kNodes; ++i) {
-    const double x = begins ? kNode[i] : 1 - kNode[i], root = x * std::sqrt(x);
-    double s = dP * kNode[i], ds = dP * kWeight[i];
+  const bool small = !begins && !ends && dP * contact_.W < kSmall * contact_.closing_speed;
+  for (int i = 0; i < (small ? 2 : kNodes); ++i) {
+    const double node = small ? kNode2[i] : kNode[i], weight = small ? kWeight2[i] : kWeight[i];
+    const double x = begins ? node : 1 - node, root = x * std::sqrt(x);
+    double s = dP * node, ds = dP * weight;
     if (begins || ends) {
       s = begins ? dP * root * x : dP * (1 - root * x);
       ds *= 2.5 * root;
@@ -163,7 +172,6 @@ void SinglePath::AddTime(const Piece& piece, double after) {
     const double force = Force(energy_ + rate * s * (c_ - 0.5 * a * s));
     time += ds / force;
     lag += s * ds / force;
-    sum_.peak = std::max(sum_.peak, force);
   }
   sum_.duration += time;
   sum_.impulse += dP;
@@ -171,7 +179,6 @@ void SinglePath::AddTime(const Piece& piece, double after) {
   const Pair p = piece.friction.p, moment = sum_.duration * p - lag / dP * p;
   Put(sum_.friction, At(sum_.friction) + p);
   Put(sum_.friction_moment, At(sum_.friction_moment) + moment);
-  sum_.peak = std::max(sum_.peak, Force(after));
   ++sum_.steps;
 }
 
@@ -203,6 +210,7 @@ SingleFriction SinglePath::Run() {
     dP = growth * piece.dP;
   }
   sum_.ended = over_;
+  sum_.peak = Force(most_);
   return sum_;
 }
 

@@ -24,6 +24,30 @@ def test_a_ball_sticks_or_slides(slip, expected):
     )
 
 
+@pytest.mark.parametrize("restitution", [1.0, 0.5, 0.0])
+@pytest.mark.parametrize("velocity", [[-1, 0.5, 0.2], [-1, 3, 1], [-1, 0.1, 0]])
+def test_one_contact_by_its_impulse_is_what_the_integration_makes_of_it(
+    velocity, restitution
+):
+    """A second contact that never presses makes the law integrate in time."""
+    J = np.array([[2, -1, 0, 1], [1, 2, 0.5, 0], [-1, 0.3, 2, 1]])
+    both = np.eye(6)
+    both[:3, :3] = J @ J.T
+    options = {"restitution": restitution, "tolerance": 1e-8}
+    alone = law.solve_impact_with_friction(
+        both[:3, :3], [velocity], 1e9, 0.3, **options
+    )
+    beside = law.solve_impact_with_friction(
+        both, [velocity, [0, 0, 0]], 1e9, 0.3, gap=[0, 1], **options
+    )
+    size = np.abs(alone.impulse).max()
+    # each is right to some tolerances of a step
+    np.testing.assert_allclose(alone.impulse[0], beside.impulse[0], atol=3e-6 * size)
+    size = np.abs(alone.moment).max()
+    # and time, a quadrature, to 1e-5
+    np.testing.assert_allclose(alone.moment[0], beside.moment[0], atol=3e-5 * size)
+
+
 GOOD = {"delassus": BALL, "velocity": [[-1.0, 0.3, 0.0]], "stiffness": 1e9, "mu": 0.3}
 
 

@@ -2,7 +2,7 @@
 
 Unlike run times they hardly depend on the machine and not at all on its load, so two
 versions can be compared. `scripts/bench-instructions` builds the program and calls
-this module: ``python -m mujoco_impact.bench.instructions PROGRAM FILE``.
+this module: ``python -m mujoco_impact.bench.instructions PROGRAM FRICTION FILE``.
 """
 
 from __future__ import annotations
@@ -63,26 +63,10 @@ def count_instructions(program: Path, *, balls: int, gap: float = 0.0) -> Count:
     Raises:
         InstructionsError: If valgrind is missing or the program failed.
     """
-    valgrind = shutil.which("valgrind")
-    if valgrind is None:
-        msg = "instruction counts need valgrind: install it (apt install valgrind)"
-        raise InstructionsError(msg)
     repeats = REPEATS.get(balls, 1)
-    with tempfile.TemporaryDirectory() as folder:
-        command = [
-            valgrind,
-            "--tool=callgrind",
-            f"--toggle-collect={COUNTED}*",
-            f"--callgrind-out-file={folder}/callgrind.out",
-            str(program),
-            *map(str, (balls, repeats, gap)),
-        ]
-        ran = subprocess.run(command, capture_output=True, text=True, check=False)
-    if ran.returncode:
-        msg = f"law_workload failed under valgrind: {ran.stderr.strip()[-300:]}"
-        raise InstructionsError(msg)
-    instructions = _number(r"Collected\s*:\s*(\d+)", ran.stderr) // repeats
-    steps = _number(r"steps (\d+)", ran.stdout)
+    arguments = map(str, (balls, repeats, gap))
+    collected, steps = _count(program, f"{COUNTED}*", *arguments)
+    instructions = collected // repeats
     each = instructions / (steps * (balls - 1))
     return Count(
         balls=balls,
@@ -91,6 +75,72 @@ def count_instructions(program: Path, *, balls: int, gap: float = 0.0) -> Count:
         instructions=instructions,
         per_step_and_contact=round(each, 1),
     )
+
+
+FRICTION = {"rack": 0.06, "face": 0.3, "edge": 0.3, "corner": 0.3}
+"""Scenes of plugin/bench/friction_workload.cc and their coefficients of friction."""
+
+
+class FrictionCount(TypedDict):
+    """Instructions of one impact with friction, and of the same without.
+
+    Attributes:
+        scene: What strikes what.
+        steps: Integration steps with friction.
+        instructions: Instructions with friction.
+        without: Instructions without tangential rows.
+        ratio: Of the two.
+    """
+
+    scene: str
+    steps: int
+    instructions: int
+    without: int
+    ratio: float
+
+
+def count_friction(program: Path, scene: str) -> FrictionCount:
+    """Counts the instructions of one impact with friction and without.
+
+    Args:
+        program: The program `friction_workload`.
+        scene: A key of `FRICTION`.
+
+    Raises:
+        InstructionsError: If valgrind is missing or the program failed.
+    """
+    without, _ = _count(program, "*SolveImpact(*", scene, "0")
+    instructions, steps = _count(program, "*SolveImpact(*", scene, str(FRICTION[scene]))
+    return FrictionCount(
+        scene=scene,
+        steps=steps,
+        instructions=instructions,
+        without=without,
+        ratio=round(instructions / without, 2),
+    )
+
+
+def _count(program: Path, function: str, *arguments: str) -> tuple[int, int]:
+    """Returns the instructions in a function of a program, and the steps it prints."""
+    valgrind = shutil.which("valgrind")
+    if valgrind is None:
+        msg = "instruction counts need valgrind: install it (apt install valgrind)"
+        raise InstructionsError(msg)
+    with tempfile.TemporaryDirectory() as folder:
+        command = [
+            valgrind,
+            "--tool=callgrind",
+            f"--toggle-collect={function}",
+            f"--callgrind-out-file={folder}/callgrind.out",
+            str(program),
+            *arguments,
+        ]
+        ran = subprocess.run(command, capture_output=True, text=True, check=False)
+    if ran.returncode:
+        msg = f"{program.name} failed under valgrind: {ran.stderr.strip()[-300:]}"
+        raise InstructionsError(msg)
+    instructions = _number(r"Collected\s*:\s*(\d+)", ran.stderr)
+    return instructions, _number(r"steps (\d+)", ran.stdout)
 
 
 def _number(pattern: str, text: str) -> int:
@@ -102,7 +152,7 @@ def _number(pattern: str, text: str) -> int:
     return int(found.group(1))
 
 
-def main(program: str, file: str) -> None:
+def main(program: str, friction_program: str, file: str) -> None:
     """Counts every workload and writes the JSON file."""
     counts = list[Count]()
     for gap in (0.0, GAP):
@@ -110,10 +160,13 @@ def main(program: str, file: str) -> None:
             count = count_instructions(Path(program), balls=balls, gap=gap)
             sys.stdout.write(f"{json.dumps(count)}\n")
             counts.append(count)
+    friction = [count_friction(Path(friction_program), scene) for scene in FRICTION]
     path = Path(file)
     path.parent.mkdir(parents=True, exist_ok=True)
     lines = ",\n  ".join(json.dumps(count) for count in counts)
-    path.write_text(f'{{"counts": [\n  {lines}\n]}}\n', encoding="utf-8")
+    more = ",\n  ".join(json.dumps(count) for count in friction)
+    text = f'{{"counts": [\n  {lines}\n],\n"friction": [\n  {more}\n]}}\n'
+    path.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
