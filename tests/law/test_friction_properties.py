@@ -169,9 +169,9 @@ def with_rows(of: Island, rows: np.ndarray) -> Island:
     return Island(of.bodies, rows, of.inverse_inertia, of.motion)
 
 
-# Rotations and orders change the choice of steps and what sweeps leave: the error of
-# friction, ten times the tolerance of 1e-7 a step, for some tens of steps.
-SAME = 3e-5
+# Rotations, orders and rounding change the choice of steps. Friction is solved to ten
+# times the tolerance a step, 1e-6 here, for up to some hundred steps.
+SAME = 2e-4
 
 elastic_or_not = st.sampled_from((1.0, 0.7))
 
@@ -223,11 +223,15 @@ def test_the_mirror_image_does_the_mirror_image(of, mu, e):
 @examples
 @given(boxes(), frictions, elastic_or_not, st.sampled_from((1e-2, 1e2)))
 def test_velocities_do_not_depend_on_the_stiffness(of, mu, e, factor):
-    soft = of.solve(mu, restitution=e, stiffness=STIFFNESS * factor)
-    stiff = of.solve(mu, restitution=e)
+    options = {"restitution": e, "tolerance": 1e-7}
+    soft = of.solve(mu, stiffness=STIFFNESS * factor, **options)
+    stiff = of.solve(mu, **options)
     np.testing.assert_allclose(
-        of.after(soft.impulse)[:, :3], of.after(stiff.impulse)[:, :3], rtol=0, atol=1e-5
+        of.after(soft.impulse)[:, :3],
+        of.after(stiff.impulse)[:, :3],
+        rtol=0,
+        atol=SAME * of.fastest,
     )
     # time goes as K^(-2/5)
     ratio = soft.moment[0, 0] / stiff.moment[0, 0]
-    assert ratio == pytest.approx(factor**-0.4, rel=1e-4)
+    assert ratio == pytest.approx(factor**-0.4, rel=1e-2)
