@@ -24,7 +24,8 @@ class Budget {
   Budget(const mjModel* m, const Config& config, const Gathered& contacts);
 
   void Spend(double work) { spent_ += work; }
-  double spent() const { return spent_; }
+  // What was spent, over what may be: more than 1 where the last round had to be ended.
+  double part() const { return spent_ / total_; }
 
   // What one solution of the law may take, and its end besides, so that whatever comes later in the
   // step has a share.

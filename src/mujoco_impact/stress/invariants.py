@@ -17,6 +17,12 @@ from mujoco_impact.stress.promises import FINITE, NO_PULL, SAME_BITS, Invariant
 from mujoco_impact.stress.record import Record
 from mujoco_impact.trajectory import Array
 
+MOMENTUM = 1e-10
+"""Change of momentum that is rounding, over the largest sum of mass times speed."""
+
+GROWTH = 1e-9
+"""Growth of energy that is rounding, over the kinetic energy at the start."""
+
 SMALL = 1e-6
 """Part of the largest impulse from which on a pulse matters."""
 
@@ -43,7 +49,11 @@ def momentum(evidence: Evidence) -> float | None:
     """Largest change of momentum of balls that only impacts act on."""
     if not evidence.case.is_free or not evidence.run.is_sound:
         return None
-    run = evidence.run
+    return momentum_change(evidence.run)
+
+
+def momentum_change(run: Record) -> float:
+    """Returns the largest change of momentum, over the sum of mass times speed."""
     mass = run.balls.mass
     p = np.einsum("i,kij->kj", mass, run.velocity)
     speeds = np.linalg.norm(run.velocity, axis=2)
@@ -57,7 +67,7 @@ def energy_growth(evidence: Evidence) -> float | None:
     """
     if not evidence.case.is_free or not evidence.run.is_sound:
         return None
-    kinetic = _kinetic(evidence.run)
+    kinetic = kinetic_of(evidence.run)
     quiet = kinetic[evidence.run.quiet] if evidence.method == OURS else kinetic
     if len(quiet) < 2:
         return None
@@ -71,11 +81,11 @@ def energy_drift(evidence: Evidence) -> float | None:
         return None
     if run.quiet.sum() < 2:
         return None
-    kinetic_scale = max(_kinetic(run).max(), 1e-300)
+    kinetic_scale = max(kinetic_of(run).max(), 1e-300)
     drift = _drift(run, kinetic_scale)
     if not case.is_free:
         apart = evidence.apart
-        drift -= _drift(apart, max(_kinetic(apart).max(), 1e-300))
+        drift -= _drift(apart, max(kinetic_of(apart).max(), 1e-300))
     return max(0.0, drift) / max(1, len(run.impacts) + run.missed)
 
 
@@ -162,14 +172,14 @@ INVARIANTS = (
     Invariant(
         "momentum",
         "balls that only impacts act on keep their momentum",
-        1e-10,
+        MOMENTUM,
         "rounding; in parts of the largest sum of mass times speed",
         momentum,
     ),
     Invariant(
         "energy growth",
         "no impact adds kinetic energy",
-        1e-9,
+        GROWTH,
         "rounding; in parts of the kinetic energy at the start",
         energy_growth,
     ),
@@ -254,7 +264,7 @@ def _difference(run: Record, velocity: Array) -> float:
     return float(np.abs(run.velocity - velocity).max()) / max(fastest, 1e-300)
 
 
-def _kinetic(run: Record) -> Array:
+def kinetic_of(run: Record) -> Array:
     """Returns the kinetic energy of the balls in each sample [J]."""
     speed2 = np.einsum("kij,kij->ki", run.velocity, run.velocity)
     result: Array = speed2 @ run.balls.mass / 2
@@ -263,7 +273,7 @@ def _kinetic(run: Record) -> Array:
 
 def _drift(run: Record, scale: float) -> float:
     """Returns the largest change of energy between quiet samples, over a scale."""
-    total = (_kinetic(run) if run.energy is None else run.energy)[run.quiet]
+    total = (kinetic_of(run) if run.energy is None else run.energy)[run.quiet]
     return float(np.abs(total - total[0]).max()) / scale if len(total) else 0.0
 
 

@@ -6,9 +6,17 @@ touches. docs/limits.md tells them to users.
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from mujoco_impact.stress.evidence import Evidence
+from mujoco_impact.stress.invariants import (
+    GROWTH,
+    MOMENTUM,
+    kinetic_of,
+    momentum_change,
+)
 from mujoco_impact.stress.methods import FASTEST, depth_of
 from mujoco_impact.stress.promises import Limit, first_limit
 from mujoco_impact.stress.scene import ARM
@@ -16,6 +24,9 @@ from mujoco_impact.stress.scene import ARM
 SLOW = 5e-7
 """Part of the closing speed that other forces may add while a pulse lasts, or in a
 step: twice that is what they do to the energy."""
+
+ALL_WORK = 0.69
+"""Part of its budget that a step has left to the law; the rest is for its end."""
 
 HARD = 0.3
 """Part of the closing speed by which other forces may change a speed within a step."""
@@ -76,6 +87,31 @@ def _spins(evidence: Evidence) -> bool:
     return FASTEST * case.speed * case.timestep > ARM * case.radius
 
 
+def _is_out_of_work(evidence: Evidence) -> bool:
+    """Whether impacts took all that the law may take, as they are or reordered."""
+    runs = [evidence.run, evidence.permuted]
+    for fine in evidence.fine:
+        runs += [fine.run, fine.permuted]
+    return max(float(run.work.max()) for run in runs) >= ALL_WORK
+
+
+def _is_pushed_out(evidence: Evidence) -> bool:
+    """Whether energy grows only while MuJoCo's contacts push."""
+    run = evidence.run
+    kinetic = kinetic_of(run)
+    quiet = np.flatnonzero(run.quiet)
+    return run.native and not any(
+        kinetic[end] - kinetic[begin] > GROWTH * kinetic[0]
+        for begin, end in itertools.pairwise(quiet)
+        if not run.pushed[begin:end].any()
+    )
+
+
+def _is_unsolved(evidence: Evidence) -> bool:
+    """Whether momentum is kept where MuJoCo's solver goes on to rounding."""
+    return evidence.run.native and momentum_change(evidence.solved) <= MOMENTUM
+
+
 def _is_divided(evidence: Evidence) -> bool:
     return "two instances" in evidence.case.features
 
@@ -124,6 +160,27 @@ LIMITS = (
         "a hinge turns by more than a radian in a step",
         frozenset({"finite", "pulse length"}) | _ENERGY | _SYMMETRY | _SHAPE,
         _spins,
+    ),
+    Limit(
+        "out of work",
+        "the impacts of a step take all the work that a step may, here or with another "
+        "order or tolerance: they are ended at once",
+        frozenset({"elastic energy"}) | _SYMMETRY,
+        _is_out_of_work,
+    ),
+    Limit(
+        "MuJoCo pushes",
+        "MuJoCo's contacts push apart what a pulse longer than a step left overlapped: "
+        "energy grows only then",
+        frozenset({"energy growth"}),
+        _is_pushed_out,
+    ),
+    Limit(
+        "MuJoCo's solver",
+        "MuJoCo's contacts push, and its solver stops at its tolerance: with "
+        "tolerance 0 the momentum is kept",
+        frozenset({"momentum"}),
+        _is_unsolved,
     ),
     Limit(
         "divided",

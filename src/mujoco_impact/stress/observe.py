@@ -16,7 +16,7 @@ from mujoco_impact.runner import collected_warnings
 from mujoco_impact.trajectory import Array
 
 _WORK = 15
-"""Of the header of the plugin's state: the counted work of the last step."""
+"""Of the header of the plugin's state: the work of the last step over its budget."""
 
 _CONTACTS = int(mujoco.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS)
 """First of the types of contact rows, which are the last of all types."""
@@ -39,8 +39,8 @@ class Observation:
         missed: Impacts without a record.
         warnings: What MuJoCo warned of.
         bits: The last state, plugin state included.
-        work: Counted work of the plugin in each step, over what it allows itself if
-            every contact touches, shape (n_samples - 1,).
+        work: Counted work of the plugin in each step, over what it allows itself,
+            shape (n_samples - 1,).
         seconds: Processor time of each step [s], shape (n_samples - 1,); no verdict may
             depend on it.
     """
@@ -132,10 +132,9 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
 
 
 def _work(model: mujoco.MjModel, data: mujoco.MjData, instances: list[int]) -> float:
-    """Returns the counted work of a step over its budget (plugin/engine/budget.cc)."""
-    done = sum(data.plugin_state[model.plugin_stateadr[i] + _WORK] for i in instances)
-    own = 300.0 * model.nv + 20.0 * model.nM + 400.0 * data.ncon
-    return float(done) / (3.0 * (1.7e6 + 12.0 * float(own)))
+    """Returns the counted work of a step over its budget (plugin/engine/budget.h)."""
+    parts = [data.plugin_state[model.plugin_stateadr[i] + _WORK] for i in instances]
+    return float(max(parts, default=0.0))
 
 
 def _is_pushing(model: mujoco.MjModel, data: mujoco.MjData) -> bool:
