@@ -35,14 +35,15 @@ void Budget::SpendRound(const mjModel* m, const Gathered& contacts) {
   Spend(kPerBody * m->nbody + kPerVelocity * m->nv + kPerPath * paths + kPerAny * contacts.count);
 }
 
-void Budget::SpendRow(const mjModel* m, const ContactRow& row) {
+void Budget::SpendRow(const mjModel* m, const ContactRow& row, int directions) {
   constexpr double kPerRow = 500, kPerDof = 75;
   double dofs = 0;
   for (const RowSegment& segment : row.segment) {
     if (segment.tree >= 0) dofs += m->tree_dofnum[segment.tree];
   }
-  for_rows_ += kPerRow + kPerDof * dofs;
-  Spend(kPerRow + kPerDof * dofs);
+  const double work = directions * (kPerRow + kPerDof * dofs);
+  for_rows_ += work;
+  Spend(work);
 }
 
 }  // namespace mujoco_impact::engine

@@ -39,9 +39,9 @@ class Budget {
   bool IsSpent() const { return left() <= 0; }
 
   // What it costs to move the bodies to another time and to look at the contacts there, and to make
-  // the row of one that takes part in an impact.
+  // the rows of one that takes part in an impact.
   void SpendRound(const mjModel* m, const Gathered& contacts);
-  void SpendRow(const mjModel* m, const ContactRow& row);
+  void SpendRow(const mjModel* m, const ContactRow& row, int directions);
 
   // What it costs to ask the narrow phase where so many pairs of geoms touch.
   void SpendPairs(int pairs) { Spend(1e4 * pairs); }

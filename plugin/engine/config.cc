@@ -118,9 +118,10 @@ class Reader {
   }
 
   // Index of the word among `words`; the first is the default.
-  int Word(const char* name, const char* const (&words)[2], const char* allowed) {
+  template <int number>
+  int Word(const char* name, const char* const (&words)[number], const char* allowed) {
     if (!IsSet(name)) return 0;
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < number; ++i) {
       if (std::strcmp(Text(name), words[i]) == 0) return i;
     }
     Refuse(name, allowed);
@@ -153,9 +154,10 @@ void ReadDuration(Reader& reader, Config& config) {
 
 // The factors are looked up only if they count, or are to be checked: most scenes have no friction.
 void ReadFriction(Reader& reader, Config& config, bool check) {
-  config.friction = reader.Word(kFriction, {"none", "paper"}, "'none' or 'paper'") == 1;
+  config.friction = static_cast<Friction>(
+      reader.Word(kFriction, {"coulomb", "none", "paper"}, "'coulomb', 'none' or 'paper'"));
   config.paper_friction = {0, 0};
-  if (!config.friction && !check) return;
+  if (config.friction != Friction::kPaper && !check) return;
   config.paper_friction = {reader.Number(kStaticRule), reader.Number(kDynamicRule)};
 }
 
@@ -178,9 +180,10 @@ void CheckAlpha(Reader& reader, const Config& config, int owned) {
 
 void CheckFriction(Reader& reader, const Config& config) {
   for (const NumberRule* rule : {&kStaticRule, &kDynamicRule}) {
-    if (config.friction && !reader.IsSet(rule->name)) {
+    const bool paper = config.friction == Friction::kPaper;
+    if (paper && !reader.IsSet(rule->name)) {
       reader.Refuse(rule->name, rule->allowed, " (friction 'paper' needs it)");
-    } else if (!config.friction && reader.IsSet(rule->name)) {
+    } else if (!paper && reader.IsSet(rule->name)) {
       reader.Refuse(rule->name, "only with friction = 'paper'");
     }
   }

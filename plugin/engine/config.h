@@ -18,6 +18,8 @@ namespace mujoco_impact::engine {
 
 enum class Law { kHertz, kCalibrated };
 enum class DurationRule { kHertz, kPaper, kFixed };
+// Coulomb with the coefficients of MuJoCo's contacts; none; equations (7)-(9).
+enum class Friction { kCoulomb, kNone, kPaper };
 
 struct Config {
   Law law;
@@ -31,7 +33,7 @@ struct Config {
   bool passive;
   law::CalibratedWaveform calibrated;
   double waveform_restitution;  // E of the shape [-]
-  bool friction;                // tangential impulses by equations (7)-(9)
+  Friction friction;            // tangential impulses
   law::PaperFriction paper_friction;
   const char* alpha;  // text of the list, for the law `calibrated`
 };

@@ -125,11 +125,12 @@ law::DelassusMatrix CompressedRows(const mjModel* m, const Mobility& mobility,
 
 // The rows of a contact on the degrees of freedom of a tree, or of all trees that are tied to it:
 // side by side from `offset[tree]` on.
-law::BodyRow GroupRow(const mjModel* m, const Mobility& mobility, const ContactRow& row, int group,
+law::BodyRow GroupRow(const mjModel* m, const Mobility& mobility, const RowSegment* row, int group,
                       const int* offset, int dofs, Scratch& scratch) {
   mjtNum* jacobian = scratch.Zeros(dofs);
   mjtNum* answer = scratch.Take<mjtNum>(dofs);
-  for (const RowSegment& segment : row.segment) {
+  for (int i = 0; i < 2; ++i) {
+    const RowSegment& segment = row[i];
     if (segment.tree < 0 || mobility.Group(segment.tree) != group) continue;
     mju_copy(jacobian + offset[segment.tree], segment.jacobian, m->tree_dofnum[segment.tree]);
   }
@@ -141,6 +142,22 @@ law::BodyRow GroupRow(const mjModel* m, const Mobility& mobility, const ContactR
     mju_copy(answer + offset[tree], all + m->tree_dofadr[tree], m->tree_dofnum[tree]);
   }
   return {group, jacobian, answer};
+}
+
+// The two parts of a row.
+void FillParts(const mjModel* m, const Mobility& mobility, const RowSegment* row, const int* offset,
+               const int* dofs, law::BodyRow* part, Scratch& scratch) {
+  int first = -1;
+  for (int i = 0; i < 2; ++i) {
+    const auto& [tree, jacobian, inverse_inertia] = row[i];
+    const int group = tree < 0 ? -1 : mobility.Group(tree);
+    part[i] = {-1, nullptr, nullptr};
+    if (group < 0 || group == first) continue;
+    first = group;
+    part[i] = mobility.ties() == 0
+                  ? law::BodyRow{tree, jacobian, inverse_inertia}
+                  : GroupRow(m, mobility, row, group, offset, dofs[group], scratch);
+  }
 }
 
 // A body of the law is a kinematic tree, or those that are tied to each other.
@@ -162,23 +179,24 @@ law::DelassusMatrix ByBody(const mjModel* m, const Mobility& mobility, const Con
   auto* rows = new (scratch.Take<law::BodyRows>(1))
       law::BodyRows{trees, dof_start, part, by.start, by.contact, work, scratch.Take<int>(trees)};
   for (int k = 0; k < size; ++k) {
-    int first = -1;
-    for (int i = 0; i < 2; ++i) {
-      const auto& [tree, jacobian, inverse_inertia] = row[k].segment[i];
-      const int group = tree < 0 ? -1 : mobility.Group(tree);
-      part[2 * k + i] = {-1, nullptr, nullptr};
-      if (group < 0 || group == first) continue;
-      first = group;
-      part[2 * k + i] = mobility.ties() == 0
-                            ? law::BodyRow{tree, jacobian, inverse_inertia}
-                            : GroupRow(m, mobility, row[k], group, offset, dofs[group], scratch);
-    }
+    FillParts(m, mobility, row[k].segment, offset, dofs, part + 2 * k, scratch);
     diagonal[k] = law::Coupling(*rows, k, k);
   }
   return {size, nullptr, nullptr, nullptr, diagonal, rows};
 }
 
 }  // namespace
+
+law::BodyRow* RowParts(const mjModel* m, const Mobility& mobility, const RowSegment* const* rows,
+                       int number, Scratch& scratch) {
+  int* offset = scratch.Take<int>(m->ntree);
+  const int* dofs = GroupDofs(m, mobility, offset, scratch);
+  auto* part = scratch.Take<law::BodyRow>(2 * number);
+  for (int i = 0; i < number; ++i) {
+    FillParts(m, mobility, rows[i], offset, dofs, part + 2 * i, scratch);
+  }
+  return part;
+}
 
 int* GroupDofs(const mjModel* m, const Mobility& mobility, int* offset, Scratch& scratch) {
   int* dofs = scratch.Take<int>(m->ntree);

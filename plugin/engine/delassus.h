@@ -32,6 +32,10 @@ size_t DelassusBytes(const mjModel* m, const Mobility& mobility, int contacts,
 law::DelassusMatrix BuildDelassus(const mjModel* m, const Mobility& mobility, const ContactRow* row,
                                   int size, Scratch& scratch);
 
+// Further rows by bodies: two parts each, in their order.
+law::BodyRow* RowParts(const mjModel* m, const Mobility& mobility, const RowSegment* const* rows,
+                       int number, Scratch& scratch);
+
 }  // namespace mujoco_impact::engine
 
 #endif  // MUJOCO_IMPACT_ENGINE_DELASSUS_H_

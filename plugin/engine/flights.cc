@@ -7,20 +7,21 @@
 
 namespace mujoco_impact::engine {
 
-Flights::Flights(const mjModel* m, mjData* d, const Motion& motion, bool pulses, Scratch& scratch) {
+Flights::Flights(const mjModel* m, mjData* d, const Motion& motion, bool pulses, bool friction,
+                 Scratch& scratch) {
   if (pulses) return;
   Hold* held = scratch.Take<Hold>(m->ntree);
   FindHeld(m, d, held);
-  rigid_ = RigidFlights(m, d, motion, held, scratch);
+  rigid_ = RigidFlights(m, d, motion, held, friction, scratch);
   arms_ = ArmFlights(m, d, motion, held, scratch);
 }
 
-void Flights::Add(mjData* d, int tree, mjtNum t, const mjtNum* velocity, const mjtNum* kick,
-                  const mjtNum* moment) {
+void Flights::Add(mjData* d, int tree, mjtNum there, mjtNum t, const mjtNum* velocity,
+                  const mjtNum* kick, const mjtNum* moment) {
   if (rigid_.Has(tree)) {
-    rigid_.Add(d, tree, t, velocity, kick, moment);
+    rigid_.Add(d, tree, there, t, velocity, kick, moment);
   } else {
-    arms_.Add(d, tree, t, velocity, kick, moment);
+    arms_.Add(d, tree, there, velocity, kick, moment);
   }
 }
 

@@ -32,8 +32,10 @@ class Flights {
   // None.
   Flights() = default;
 
-  // `motion` is that of the bodies from the start of the step, where they are in `d`.
-  Flights(const mjModel* m, mjData* d, const Motion& motion, bool pulses, Scratch& scratch);
+  // `motion` is that of the bodies from the start of the step, where they are in `d`; `friction`
+  // says whether any contact has it.
+  Flights(const mjModel* m, mjData* d, const Motion& motion, bool pulses, bool friction,
+          Scratch& scratch);
 
   // Whether the tree flies here: its impulses are no forces.
   bool Has(int tree) const { return rigid_.Has(tree) || arms_.Has(tree); }
@@ -46,9 +48,10 @@ class Flights {
     return rigid_.SteadyAcceleration(motion, scratch);
   }
 
-  // Adds an impulse of an impact at time t [s]: ΔV = M⁻¹Jᵀ P at the pose of the bodies in `d` and
-  // its moment M⁻¹Jᵀ ∫ s F ds, s from the start of the step (dofs of the tree).
-  void Add(mjData* d, int tree, mjtNum t, const mjtNum* velocity, const mjtNum* kick,
+  // Adds an impulse of an impact: ΔV = M⁻¹Jᵀ P with the rows of the time t, and its moment
+  // M⁻¹Jᵀ ∫ s F ds, s from the start of the step (dofs of the tree) [s]. The bodies in `d` are
+  // where they are at the time `there`, with the velocity of their path (nv).
+  void Add(mjData* d, int tree, mjtNum there, mjtNum t, const mjtNum* velocity, const mjtNum* kick,
            const mjtNum* moment);
 
   // Arms take part in the impact at hand.

@@ -5,55 +5,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/islands.h"
-#include "engine/point.h"
+#include "engine/tangents.h"
 #include "law/friction.h"
 
 namespace mujoco_impact::engine {
 
 namespace {
 
-// A row like that of a contact, for a direction along the surface.
-struct SlipRow {
-  RowSegment segment[2];
-};
-
-SlipRow MakeSlipRow(const mjModel* m, const ContactRow& row, Scratch& scratch) {
-  SlipRow slip;
-  for (int i = 0; i < 2; ++i) {
-    const int tree = row.segment[i].tree;
-    const int dofs = tree < 0 ? 0 : m->tree_dofnum[tree];
-    slip.segment[i] = {tree, scratch.Zeros(dofs), scratch.Zeros(dofs)};
-  }
-  return slip;
-}
-
-// slip = dᵀ(J₂ − J₁) at the surfaces
-void FillSlipRow(const mjModel* m, const mjData* d, const ContactRow& row, const Motion& motion,
-                 mjtNum tau, const Vector3& direction, SlipRow& slip) {
-  for (const RowSegment& segment : slip.segment) {
-    if (segment.tree >= 0) mju_zero(segment.jacobian, m->tree_dofnum[segment.tree]);
-  }
-  const ContactTrees trees = TreesOf(m, *row.contact);
-  const bool merged = trees.tree[0] == trees.tree[1];
-  for (int i = 0; i < 2; ++i) {
-    if (trees.tree[i] < 0) continue;
-    const Vector3 surface =
-        SurfacePoint(m, row.contact->geom[i], i, row.path.SideAt(i, tau), row.normal);
-    AddRowAt(m, d, row.path.side(i), motion, tau, surface, direction, i == 0 ? -1 : 1,
-             slip.segment[merged ? 0 : i].jacobian);
-  }
-}
-
 // The velocity with which side 0 slides over side 1 at τ, that of mocap bodies included.
 Vector3 SlipVelocity(const mjModel* m, const mjData* d, const ContactRow& row, const Motion& motion,
                      mjtNum tau, const mjtNum* velocity, SlipRow& slip) {
-  const Vector3& n = row.normal;
-  const Vector3 other = std::abs(n.x) < 0.5 ? Vector3{1, 0, 0} : Vector3{0, 1, 0};
-  const Vector3 across = Cross(n, other);
-  const Vector3 first = 1 / Norm(across) * across;
   Vector3 result{};
-  for (const Vector3& axis : {first, Cross(n, first)}) {
+  for (const Vector3& axis : TangentsOf(row.normal).axis) {
     FillSlipRow(m, d, row, motion, tau, axis, slip);
     result += (Dot(row.driven, axis) - SegmentsTimes(m, slip.segment, velocity)) * axis;
   }

@@ -20,6 +20,7 @@
 #include "engine/resolve.h"
 #include "engine/slots.h"
 #include "engine/struck.h"
+#include "engine/tangents.h"
 #include "engine/velocity_forces.h"
 
 namespace mujoco_impact::engine {
@@ -52,7 +53,8 @@ class Resolver {
         budget_(m, config_, contacts_),
         struck_(m, d, mobility, scratch),
         start_(LookAhead(m, d, mobility, delivery, state.mocap(), bent_, scratch)),
-        flights_(m, d, start_.motion, state.header().active > 0, scratch),
+        flights_(m, d, start_.motion, state.header().active > 0, HasFriction(config_, contacts_),
+                 scratch),
         steady_(WithoutVelocityForces(
             m, d, flights_, flights_.SteadyAcceleration(start_.motion, scratch), scratch)),
         bodies_(m, d, mobility, start_, flights_, scratch) {}
@@ -139,7 +141,8 @@ void Resolver::AddShare(const ContactRow& row, const ImpactTime& time, const Sha
       mjtNum* kick = scratch.Take<mjtNum>(2 * dofs);
       mju_scl(kick, segment.inverse_inertia, share.impulse, dofs);
       mju_scl(kick + dofs, segment.inverse_inertia, share.moment, dofs);
-      flights_.Add(d_, segment.tree, time.start, path_velocity_, kick, kick + dofs);
+      const mjtNum seen = time.start + (there_ ? 0 : time.tau);
+      flights_.Add(d_, segment.tree, time.start, seen, path_velocity_, kick, kick + dofs);
     } else if (there_) {
       kicks_.any = true;
       mju_addToScl(kicks_.velocity + begin, segment.inverse_inertia, share.impulse, dofs);
@@ -176,8 +179,9 @@ bool Resolver::AnyFlies(const IslandSystem& system) const {
 
 bool Resolver::FitsIsland(const int* position, int count) {
   Scratch scratch(d_);
-  size_t bytes = IslandBytes(m_, mobility_, contacts_, position, count, scratch);
-  if (config_.friction) bytes += FrictionBytes(m_, bytes);
+  const bool friction = HasFriction(config_, contacts_, position, count);
+  size_t bytes = IslandBytes(m_, mobility_, contacts_, position, count, friction, scratch);
+  if (config_.friction == Friction::kPaper) bytes += FrictionBytes(m_, bytes);
   return scratch.Fits(bytes);
 }
 
@@ -189,16 +193,22 @@ IslandSystem Resolver::SolveIsland(const Outlook& outlook, ImpactTime time, cons
   time.seen = seen - time.tau;
   IslandSystem system = BuildIsland(m_, d_, mobility_, contacts_, position, count, outlook.motion,
                                     seen, time.tau, scratch);
-  for (int k = 0; k < count; ++k) budget_.SpendRow(m_, system.row[k]);
+  const bool friction = HasFriction(config_, contacts_, position, count);
+  for (int k = 0; k < count; ++k) budget_.SpendRow(m_, system.row[k], friction ? 3 : 1);
   // a tumbling body turns away from a pulse that lasts, whose line stays as it was
   constexpr mjtNum kShortSteps = 4;
   if (AnyFlies(system)) time.short_of = kShortSteps * m_->opt.timestep;
   const mjtNum* velocity = SettledVelocity(m_, outlook, seen, scratch);
   mjtNum* acceleration = scratch.Take<mjtNum>(m_->nv);
   mju_addScl(acceleration, steady_, start_.motion.jerk, outlook.start + seen, m_->nv);
-  ResolveIsland(m_, config_, ownership_, system, time, velocity, acceleration, budget_, &stiffer_,
-                impacts, scratch);
-  if (config_.friction) {
+  Tangents* tangents = nullptr;
+  if (friction) {
+    tangents = BuildTangents(m_, d_, mobility_, system, outlook.motion, seen, velocity, scratch);
+  }
+  ResolveIsland(m_, config_, ownership_, system, time, velocity, acceleration, tangents, budget_,
+                &stiffer_, impacts, scratch);
+  if (tangents) TurnRows(m_, *tangents, system, impacts);
+  if (config_.friction == Friction::kPaper) {
     AddFriction(m_, d_, config_, outlook.motion, seen, velocity, system, impacts, scratch);
   }
   return system;

@@ -8,20 +8,21 @@
 namespace mujoco_impact::engine {
 
 IslandProblem MakeProblem(const mjModel* m, const Config& config, const IslandSystem& system,
-                          const mjtNum* velocity, Scratch& scratch) {
+                          const mjtNum* velocity, Tangents* tangents, Scratch& scratch) {
   const int n = system.size;
-  IslandProblem problem{
-      n,
-      scratch.Take<mjtNum>(n),
-      scratch.Take<mjtNum>(n),
-      scratch.Take<mjtNum>(n),
-      scratch.Zeros(n),
-      scratch.Zeros(n),
-      scratch.Zeros(n),
-      scratch.Zeros(n),
-      scratch.Zeros(n),
-      scratch.Take<mjtNum>(n),
-      {scratch.Take<mjtNum>(law::ImpactNumbers(n)), scratch.Take<int>(law::ImpactIndices(n))}};
+  IslandProblem problem{n,
+                        scratch.Take<mjtNum>(n),
+                        scratch.Take<mjtNum>(n),
+                        scratch.Take<mjtNum>(n),
+                        scratch.Zeros(n),
+                        scratch.Zeros(n),
+                        scratch.Zeros(n),
+                        scratch.Zeros(n),
+                        scratch.Zeros(n),
+                        scratch.Take<mjtNum>(n),
+                        {scratch.Take<mjtNum>(law::ImpactNumbers(n, tangents != nullptr)),
+                         scratch.Take<int>(law::ImpactIndices(n))},
+                        tangents};
   for (int k = 0; k < n; ++k) {
     const ContactRow& row = system.row[k];
     problem.closing_speed[k] = Dot(row.normal, row.driven) - RowTimes(m, row, velocity);

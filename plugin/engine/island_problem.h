@@ -10,6 +10,7 @@
 #include "engine/config.h"
 #include "engine/island_system.h"
 #include "engine/scratch.h"
+#include "engine/tangents.h"
 #include "law/impact_problem.h"
 
 namespace mujoco_impact::engine {
@@ -26,10 +27,11 @@ struct IslandProblem {
   mjtNum* peak;           // largest F_k [N]; 0: that of the waveform
   mjtNum* after;          // separation speeds
   law::Workspace work;
+  Tangents* tangents = nullptr;  // null: no contact has friction
 };
 
 IslandProblem MakeProblem(const mjModel* m, const Config& config, const IslandSystem& system,
-                          const mjtNum* velocity, Scratch& scratch);
+                          const mjtNum* velocity, Tangents* tangents, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

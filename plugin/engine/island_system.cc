@@ -9,6 +9,7 @@
 #include "engine/delassus.h"
 #include "engine/islands.h"
 #include "engine/resolve.h"
+#include "engine/tangents.h"
 #include "law/impact_law.h"
 
 namespace mujoco_impact::engine {
@@ -56,7 +57,7 @@ void FillRow(const mjModel* m, const mjData* d, const Motion& motion, mjtNum tau
 }  // namespace
 
 size_t IslandBytes(const mjModel* m, const Mobility& mobility, const Gathered& contacts,
-                   const int* position, int count, Scratch& scratch) {
+                   const int* position, int count, bool friction, Scratch& scratch) {
   // a contact couples with every contact of its trees
   int* on_group = scratch.Take<int>(m->ntree);
   std::fill_n(on_group, m->ntree, 0);
@@ -76,11 +77,12 @@ size_t IslandBytes(const mjModel* m, const Mobility& mobility, const Gathered& c
     }
   }
   // the workspace of the law, and the list of α
-  const size_t laws = law::ImpactNumbers(count) * sizeof(double) +
+  const size_t laws = law::ImpactNumbers(count, friction) * sizeof(double) +
                       law::ImpactIndices(count) * sizeof(int) + m->ngeom * sizeof(mjtNum);
   // an IslandProblem and the lists of the Delassus matrix; what arrays are aligned by
   constexpr size_t kPerContact = 16 * sizeof(mjtNum), kAlignment = 512;
-  return kAlignment + laws + DelassusBytes(m, mobility, count, size) +
+  const size_t tangents = friction ? TangentBytes(m, mobility, count, dofs, size.couplings) : 0;
+  return kAlignment + laws + tangents + DelassusBytes(m, mobility, count, size) +
          count * (sizeof(ContactRow) + sizeof(Impact) + kPerContact) +
          (2 * dofs + 2 * m->nv) * sizeof(mjtNum);
 }
@@ -128,10 +130,11 @@ mjtNum RowTimes(const mjModel* m, const ContactRow& row, const mjtNum* x) {
   return SegmentsTimes(m, row.segment, x);
 }
 
-void AddAnswer(const mjModel* m, const Mobility& mobility, const ContactRow& row, mjtNum s,
+void AddAnswer(const mjModel* m, const Mobility& mobility, const RowSegment row[2], mjtNum s,
                mjtNum* x, Scratch& scratch) {
   mjtNum* answer = mobility.ties() > 0 ? scratch.Zeros(m->nv) : x;
-  for (const RowSegment& segment : row.segment) {
+  for (int i = 0; i < 2; ++i) {
+    const RowSegment& segment = row[i];
     if (segment.tree < 0) continue;
     mju_addToScl(answer + m->tree_dofadr[segment.tree], segment.inverse_inertia, s,
                  m->tree_dofnum[segment.tree]);

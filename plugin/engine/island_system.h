@@ -43,9 +43,10 @@ struct IslandSystem {
   law::DelassusMatrix delassus;
 };
 
-// Bytes of scratch that the island of the contacts at these positions takes.
+// Bytes of scratch that the island of the contacts at these positions takes, with tangential rows
+// or without.
 size_t IslandBytes(const mjModel* m, const Mobility& mobility, const Gathered& contacts,
-                   const int* position, int count, Scratch& scratch);
+                   const int* position, int count, bool friction, Scratch& scratch);
 
 // Builds the rows at time τ on the path of `motion`; the gaps are those of the time `begin`, when
 // the first contact of the island closes.
@@ -63,7 +64,7 @@ void SolveSegments(const mjModel* m, const mjData* d, const RowSegment segment[2
 mjtNum RowTimes(const mjModel* m, const ContactRow& row, const mjtNum* x);
 
 // x += M̃⁻¹ J_kᵀ s
-void AddAnswer(const mjModel* m, const Mobility& mobility, const ContactRow& row, mjtNum s,
+void AddAnswer(const mjModel* m, const Mobility& mobility, const RowSegment row[2], mjtNum s,
                mjtNum* x, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine

@@ -3,6 +3,7 @@
 #include "engine/point.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/spatial.h"
 
@@ -24,6 +25,15 @@ void AxisVelocity(const mjModel* m, const mjData* d, int dof, mjtNum axis_dot[6]
     Store(Load(d->cdof_dot + 6 * dof), axis_dot);
     Store(Load(d->cdof_dot + 6 * dof + 3), axis_dot + 3);
   }
+}
+
+// A vector turned by an angle about its direction [rad]: friction sees where the axes of a spinning
+// ball are, and .1 rad in a step is not little.
+Vector3 Turned(const Vector3& v, const Vector3& angle) {
+  const mjtNum size = Norm(angle);
+  if (size < mjMINVAL) return v;
+  const Vector3 axis = 1 / size * angle, across = Cross(axis, v);
+  return v + std::sin(size) * across + (1 - std::cos(size)) * Cross(axis, across);
 }
 
 Vector3 Origin(const mjModel* m, const mjData* d, int body) {
@@ -108,16 +118,18 @@ void AddRowAt(const mjModel* m, const mjData* d, const BodyPoint& point, const M
   const int begin = m->tree_dofadr[m->dof_treeid[last]];
   const Vector3 offset = moved - Origin(m, d, point.body);
   for (int i = last; i >= 0; i = m->dof_parentid[i]) {
-    mjtNum axis[6];
-    AxisVelocity(m, d, i, axis);
-    for (int j = 0; j < 6; ++j) axis[j] = d->cdof[6 * i + j] + tau * axis[j];
     Vector3 column;
     if (IsFreeRotation(m, i)) {
       // the axis goes with the body: a force through the centre of a ball must never turn it
       const BodyPoint centre{m->dof_bodyid[i], Load(d->xpos + 3 * m->dof_bodyid[i])};
       const PointDerivatives path = PointMotion(m, d, centre, motion, true);
-      column = Cross(Load(axis), moved - (centre.position + Displacement(path, tau)));
+      const Vector3 angle = tau * Load(d->cvel + 6 * centre.body);
+      column = Cross(Turned(Load(d->cdof + 6 * i), angle),
+                     moved - (centre.position + Displacement(path, tau)));
     } else {
+      mjtNum axis[6];
+      AxisVelocity(m, d, i, axis);
+      for (int j = 0; j < 6; ++j) axis[j] = d->cdof[6 * i + j] + tau * axis[j];
       column = AxisTimes(axis, offset);
     }
     row[i - begin] += sign * Dot(normal, column);

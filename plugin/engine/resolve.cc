@@ -7,7 +7,9 @@
 
 #include "engine/island_problem.h"
 #include "engine/overlap.h"
+#include "law/friction_guard.h"
 #include "law/hertz_contact.h"
+#include "law/impact_clock.h"
 #include "law/impact_law.h"
 #include "law/passivity.h"
 #include "law/waveform.h"
@@ -21,6 +23,18 @@ namespace {
 mjtNum DurationFromMoment(mjtNum impulse, mjtNum moment, mjtNum onset, mjtNum restitution) {
   constexpr mjtNum kShortest = 1e-12;  // [s]
   return std::max(kShortest, (moment / impulse - onset) / law::WaveformMoment(1, restitution));
+}
+
+// Where the law writes.
+law::ImpactSolution SolutionOf(const IslandProblem& problem) {
+  law::ImpactSolution solution{problem.impulse, problem.moment, problem.onset, problem.after,
+                               problem.peak};
+  if (const Tangents* tangents = problem.tangents) {
+    solution.friction = tangents->impulse;
+    solution.friction_moment = tangents->moment;
+    solution.slip = tangents->after;
+  }
+  return solution;
 }
 
 // False if the impact was cut short for want of work.
@@ -37,12 +51,13 @@ bool SolveHertz(const Config& config, const IslandSystem& system, const ImpactTi
                                   config.tolerance,
                                   budget.OfLaw(),
                                   budget.OfEnd(),
-                                  time.longest};
+                                  time.longest,
+                                  problem.tangents ? &problem.tangents->friction : nullptr};
   for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset, problem.peak}) {
     mju_zero(solution, problem.size);
   }
-  law::ImpactSolution solution{problem.impulse, problem.moment, problem.onset, problem.after,
-                               problem.peak};
+  if (problem.tangents) mju_zero(problem.tangents->impulse, 2 * problem.size);
+  law::ImpactSolution solution = SolutionOf(problem);
   const law::ImpactReport report =
       law::SolveImpact(impact, config.passive, &solution, problem.work);
   budget.Spend(report.work);
@@ -161,6 +176,10 @@ void CountForcesMeanwhile(const mjModel* m, const IslandSystem& system, const mj
   for (mjtNum* numbers : {problem.impulse, problem.moment, problem.peak}) {
     mju_scl(numbers, numbers, 1 + meanwhile / work, problem.size);
   }
+  if (problem.tangents) {
+    mjtNum* friction = problem.tangents->impulse;
+    mju_scl(friction, friction, 1 + meanwhile / work, 2 * problem.size);
+  }
 }
 
 // The contact that gives an impact its scale: the one that closes first or, if that is by rounding
@@ -170,10 +189,23 @@ int ReferenceOf(const IslandProblem& problem, int first) {
   return c[first] > 0 ? first : static_cast<int>(std::max_element(c, c + problem.size) - c);
 }
 
+// ΔT [J] by the impulses as they are, the tangential ones included.
+mjtNum ChangeWithFriction(const IslandSystem& system, const IslandProblem& problem) {
+  law::ImpactProblem impact{};
+  impact.delassus = system.delassus;
+  impact.closing_speed = problem.closing_speed;
+  impact.friction = &problem.tangents->friction;
+  law::ImpactSolution solution = SolutionOf(problem);
+  law::SpeedsAfter(impact, solution);
+  return law::KineticEnergyChange(impact, solution);
+}
+
 // −ΔT over the sum of impulses.
 mjtNum LossPerImpulse(const IslandSystem& system, const IslandProblem& problem) {
-  const mjtNum change = law::KineticEnergyChange(system.delassus, problem.closing_speed,
-                                                 problem.impulse, problem.work.numbers);
+  const mjtNum change = problem.tangents
+                            ? ChangeWithFriction(system, problem)
+                            : law::KineticEnergyChange(system.delassus, problem.closing_speed,
+                                                       problem.impulse, problem.work.numbers);
   mjtNum sum = 0;
   for (int k = 0; k < problem.size; ++k) sum += problem.impulse[k];
   return sum > 0 ? std::max<mjtNum>(0, -change) / sum : 0;
@@ -197,9 +229,9 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
 
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   const mjtNum* acceleration, Budget& budget, mjtNum* stiffer, Impact* impacts,
-                   Scratch& scratch) {
-  IslandProblem problem = MakeProblem(m, config, system, velocity, scratch);
+                   const mjtNum* acceleration, Tangents* tangents, Budget& budget, mjtNum* stiffer,
+                   Impact* impacts, Scratch& scratch) {
+  IslandProblem problem = MakeProblem(m, config, system, velocity, tangents, scratch);
   const int first = ReferenceOf(problem, time.first);
   const mjtNum speed = problem.closing_speed[first];
   std::fill_n(impacts, system.size, Impact{});

@@ -8,25 +8,14 @@
 
 #include "engine/budget.h"
 #include "engine/config.h"
+#include "engine/impact.h"
 #include "engine/island_system.h"
 #include "engine/ownership.h"
 #include "engine/vector3.h"
 
 namespace mujoco_impact::engine {
 
-// An impulse of one contact and when it comes; times from the start of the step.
-struct Impact {
-  mjtNum impulse;   // P_k [N s]; 0: the contact takes no part
-  mjtNum alpha;     // P_k over the impulse of the reference waveform [-]
-  mjtNum onset;     // [s]
-  mjtNum duration;  // W [s]
-  mjtNum peak;      // largest force of the contact [N]; 0: that of the waveform
-  mjtNum moment;    // ∫ t F dt [N s²], if the law knows it better than the waveform
-  mjtNum loss;      // of kinetic energy, by the part of the impulse in that of the island [J]
-  bool at_once;     // shorter than the step: deliver it whole, by its moment
-  mjtNum closing;   // speed at which the contact closed; 0 or less: others closed it [m/s]
-  Vector3 tangent;  // tangential impulse over P_k, on geom[1] (friction.h) [-]
-};
+struct Tangents;
 
 struct ImpactTime {
   mjtNum start;     // of the path, from the start of the step [s]
@@ -48,12 +37,12 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
 
 // `stiffer` is the least λ of the step so far: bodies that had to be stiffer in one round, y ~ λ,
 // begin so in the next. `velocity` is what the bodies have at τ when all pulses under way have been
-// delivered, `acceleration` what other forces give them meanwhile (nv). `impacts` has room for
-// system.size.
+// delivered, `acceleration` what other forces give them meanwhile (nv). `tangents` are those of the
+// system, null without friction; `impacts` has room for system.size.
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   const mjtNum* acceleration, Budget& budget, mjtNum* stiffer, Impact* impacts,
-                   Scratch& scratch);
+                   const mjtNum* acceleration, Tangents* tangents, Budget& budget, mjtNum* stiffer,
+                   Impact* impacts, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

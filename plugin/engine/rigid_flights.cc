@@ -23,6 +23,7 @@ struct RigidFlights::Flight {
   RigidInertia inertia;
   bool struck;
   bool carried;                    // by contacts of MuJoCo
+  bool ball;                       // has the same inertia about all axes
   mjtNum time;                     // up to which the twins have flown [s]
   RigidAcceleration acceleration;  // of both
   RigidState now, unstruck;
@@ -32,7 +33,7 @@ struct RigidFlights::Flight {
 RigidFlights::Flight& RigidFlights::Of(int tree) const { return flights_[index_[tree]]; }
 
 RigidFlights::RigidFlights(const mjModel* m, const mjData* d, const Motion& motion,
-                           const Hold* held, Scratch& scratch)
+                           const Hold* held, bool friction, Scratch& scratch)
     : m_(m) {
   int* index = scratch.Take<int>(m->ntree);
   for (int tree = 0; tree < m->ntree; ++tree) {
@@ -44,12 +45,13 @@ RigidFlights::RigidFlights(const mjModel* m, const mjData* d, const Motion& moti
   for (int tree = 0; tree < m->ntree; ++tree) {
     if (index[tree] < 0) continue;
     const bool carried = held[tree] == Hold::kCarried;
-    if (held[tree] == Hold::kTied || (IsBall(m, tree) && !carried)) {
+    const bool ball = IsBall(m, tree);
+    if (held[tree] == Hold::kTied || (ball && !carried && !friction)) {
       index[tree] = -1;
       continue;
     }
     Flight& flight =
-        *new (&Of(tree)) Flight{RigidInertia(m, d, tree), false, carried, 0, {}, {}, {}, {}};
+        *new (&Of(tree)) Flight{RigidInertia(m, d, tree), false, carried, ball, 0, {}, {}, {}, {}};
     const int begin = m->tree_dofadr[tree];
     const mjtNum* rotation = d->xquat + 4 * m->dof_bodyid[begin];
     mju_copy4(flight.rotation, rotation);
@@ -73,7 +75,7 @@ const mjtNum* RigidFlights::SteadyAcceleration(const Motion& motion, Scratch& sc
   return steady;
 }
 
-void RigidFlights::Add(const mjData* d, int tree, mjtNum t, const mjtNum* velocity,
+void RigidFlights::Add(const mjData* d, int tree, mjtNum there, mjtNum t, const mjtNum* velocity,
                        const mjtNum* kick, const mjtNum* moment) {
   Flight& flight = Of(tree);
   const RigidInertia& inertia = flight.inertia;
@@ -81,9 +83,10 @@ void RigidFlights::Add(const mjData* d, int tree, mjtNum t, const mjtNum* veloci
     const mjtNum* qpos = Position(m_, tree, d->qpos);
     flight.now = flight.unstruck = FromJoint(inertia, 0, qpos, velocity + m_->tree_dofadr[tree]);
     flight.struck = true;
-    flight.time = t;
+    flight.time = there;
     mju_copy4(flight.rotation, flight.now.rotation);
-  } else if (t != flight.time) {
+  }
+  if (t != flight.time) {
     Fly(inertia, flight.acceleration, t - flight.time, flight.now);
     Fly(inertia, flight.acceleration, t - flight.time, flight.unstruck);
     flight.time = t;
@@ -99,7 +102,8 @@ void RigidFlights::Add(const mjData* d, int tree, mjtNum t, const mjtNum* veloci
   mjtNum late[6];
   for (int i = 0; i < 6; ++i) late[i] = t * kick[i] - moment[i];
   now.position += of_centre(late);
-  Turn(Load(late + 3), now.rotation);
+  // a ball looks the same from all sides, and its spin in the world is not to turn
+  if (!flight.ball) Turn(Load(late + 3), now.rotation);
 }
 
 void RigidFlights::Place(mjtNum t, mjtNum* qpos, mjtNum* qvel, mjtNum* velocity,

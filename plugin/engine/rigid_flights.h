@@ -24,17 +24,17 @@ class RigidFlights {
   // None.
   RigidFlights() = default;
 
-  // Of the trees that are not tied (ntree).
+  // Of the trees that are not tied (ntree); of balls as well if friction turns them.
   RigidFlights(const mjModel* m, const mjData* d, const Motion& motion, const Hold* held,
-               Scratch& scratch);
+               bool friction, Scratch& scratch);
 
   bool Has(int tree) const { return index_ && index_[tree] >= 0; }
 
   // As in Flights.
   const mjtNum* SteadyAcceleration(const Motion& motion, Scratch& scratch) const;
 
-  void Add(const mjData* d, int tree, mjtNum t, const mjtNum* velocity, const mjtNum* kick,
-           const mjtNum* moment);
+  void Add(const mjData* d, int tree, mjtNum there, mjtNum t, const mjtNum* velocity,
+           const mjtNum* kick, const mjtNum* moment);
 
   void Place(mjtNum t, mjtNum* qpos, mjtNum* qvel, mjtNum* velocity, mjtNum* acceleration);
   void Finish(State& state);

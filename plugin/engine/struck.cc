@@ -50,10 +50,10 @@ void Struck::ForMoved(const ContactRow& row, Visit visit) const {
 
 void Struck::Add(const ContactRow& row, mjtNum delivered, mjtNum rest) {
   Scratch scratch(d_);
-  AddAnswer(m_, mobility_, row, delivered, kicked_.velocity, scratch);
+  AddAnswer(m_, mobility_, row.segment, delivered, kicked_.velocity, scratch);
   ForMoved(row, [this](int tree) { mark_[tree] = kStruck; });
   if (rest <= 0) return;
-  AddAnswer(m_, mobility_, row, rest, owed_, scratch);
+  AddAnswer(m_, mobility_, row.segment, rest, owed_, scratch);
   owes_ = true;
 }
 
