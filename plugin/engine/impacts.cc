@@ -73,6 +73,8 @@ class Resolver {
   bool Approach(Outlook& outlook, const ImpactTime& time, const int* position, int count);
   bool AnyFlies(const IslandSystem& system) const;
   bool FitsIsland(const int* position, int count);
+  const mjtNum* FallOf(const IslandSystem& system, const int* position, mjtNum time,
+                       Scratch& scratch) const;
   IslandSystem SolveIsland(const Outlook& outlook, ImpactTime time, const int* position, int count,
                            Impact* impacts, Scratch& scratch);
   mjtNum CentreOf(const Outlook& outlook, const ImpactTime& time, const int* position, int count);
@@ -185,6 +187,21 @@ bool Resolver::FitsIsland(const int* position, int count) {
   return scratch.Fits(bytes);
 }
 
+// Of the contacts that MuJoCo carries, by how much the free motion of the bodies up to a time lets
+// them close (size): what carries them does not let them fall, and a body that is struck while it
+// lies on a table must not bounce off it.
+const mjtNum* Resolver::FallOf(const IslandSystem& system, const int* position, mjtNum time,
+                               Scratch& scratch) const {
+  mjtNum* fall = scratch.Zeros(system.size);
+  const mjtNum lead = PathLag(m_);
+  for (int k = 0; k < system.size; ++k) {
+    if (contacts_.due[position[k]] || !IsCarried(*system.row[k].contact)) continue;
+    const mjtNum pressing = -RowTimes(m_, system.row[k], start_.motion.acceleration);
+    fall[k] = std::max<mjtNum>(0, pressing * (lead + time));
+  }
+  return fall;
+}
+
 // The contacts of an island and their impacts. Of bodies that have been moved there for it, the
 // geometry is that of where they are; else that of when the first contact closes.
 IslandSystem Resolver::SolveIsland(const Outlook& outlook, ImpactTime time, const int* position,
@@ -205,8 +222,9 @@ IslandSystem Resolver::SolveIsland(const Outlook& outlook, ImpactTime time, cons
   if (friction) {
     tangents = BuildTangents(m_, d_, mobility_, system, outlook.motion, seen, velocity, scratch);
   }
-  ResolveIsland(m_, config_, ownership_, system, time, velocity, acceleration, tangents, budget_,
-                &stiffer_, impacts, scratch);
+  const mjtNum* fall = FallOf(system, position, outlook.start + seen, scratch);
+  ResolveIsland(m_, config_, ownership_, system, time, velocity, fall, acceleration, tangents,
+                budget_, &stiffer_, impacts, scratch);
   if (tangents) TurnRows(m_, *tangents, system, impacts);
   if (config_.friction == Friction::kPaper) {
     AddFriction(m_, d_, config_, outlook.motion, seen, velocity, system, impacts, scratch);

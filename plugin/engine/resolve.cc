@@ -155,22 +155,27 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
   return SetCommonPulse(m, config, system, time, EndOf(problem), problem);
 }
 
-// Gravity goes on while bodies touch, and the impulse of a contact does its work at the speed that
-// they have when it comes, at t_k = M_k / P_k on the average. All impulses are scaled by
+// Gravity goes on while bodies touch, and the contact carries them all the while, for the time W
+// that it lasts. With the impulse P at its centre t, W = (1 + e)/e t. All impulses are scaled by
 //
-//   Σ (c_k + a_k t_k) P_k / Σ c_k P_k,   a_k the rate of c_k by forces other than the impulses,
-//                                         t_k from when c_k was taken
+//   Σ (c_k + a_k t'_k) P_k / Σ c_k P_k,   a_k the rate of c_k by forces other than the impulses,
+//                                         t'_k = W_k − t_k later than the contact closes
 //
-// with which a single contact gives back e² of what it took and an elastic impact keeps the energy.
+// with which a single contact is left with e times the speed with which it closed. In an elastic
+// impact, t' = t, it is the speed at which the impulses do their work, and the energy is kept.
+// Times are from when c_k was taken.
 void CountForcesMeanwhile(const mjModel* m, const IslandSystem& system, const mjtNum* acceleration,
-                          mjtNum seen, IslandProblem& problem) {
+                          mjtNum seen, mjtNum restitution, IslandProblem& problem) {
   constexpr mjtNum kMost = 0.1;  // beyond, bodies are pressed and not struck
+  // t' / t; what hardly parts stays in touch longer than that, and is carried by MuJoCo
+  const mjtNum after = 1 / std::max<mjtNum>(restitution, 0.2);
   mjtNum work = 0, meanwhile = 0;
   for (int k = 0; k < problem.size; ++k) {
     if (problem.impulse[k] <= 0) continue;
     work += problem.closing_speed[k] * problem.impulse[k];
-    const mjtNum moment = problem.moment[k] - seen * problem.impulse[k];
-    meanwhile -= RowTimes(m, system.row[k], acceleration) * moment;
+    const mjtNum until = problem.impulse[k] * (problem.onset[k] - seen) +
+                         after * (problem.moment[k] - problem.onset[k] * problem.impulse[k]);
+    meanwhile -= RowTimes(m, system.row[k], acceleration) * until;
   }
   if (work <= 0 || std::abs(meanwhile) > kMost * work) return;
   for (mjtNum* numbers : {problem.impulse, problem.moment, problem.peak}) {
@@ -229,9 +234,13 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
 
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   const mjtNum* acceleration, Tangents* tangents, Budget& budget, mjtNum* stiffer,
-                   Impact* impacts, Scratch& scratch) {
+                   const mjtNum* fall, const mjtNum* acceleration, Tangents* tangents,
+                   Budget& budget, mjtNum* stiffer, Impact* impacts, Scratch& scratch) {
   IslandProblem problem = MakeProblem(m, config, system, velocity, tangents, scratch);
+  for (int k = 0; k < system.size; ++k) {
+    mjtNum& closing = problem.closing_speed[k];
+    if (closing > 0) closing = std::max<mjtNum>(0, closing - fall[k]);
+  }
   const int first = ReferenceOf(problem, time.first);
   const mjtNum speed = problem.closing_speed[first];
   std::fill_n(impacts, system.size, Impact{});
@@ -246,7 +255,8 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   bool at_once = false;
   if (config.law == Law::kHertz) {
     at_once = SolveWithinDepth(m, config, system, time, budget, stiffer, problem);
-    if (at_once) CountForcesMeanwhile(m, system, acceleration, time.seen, problem);
+    if (at_once)
+      CountForcesMeanwhile(m, system, acceleration, time.seen, config.restitution, problem);
     // α_k = P_k / P_ref, P_ref = (1 + e) μ u of the contact that closes first
     mju_scl(alpha, problem.impulse, 1 / ((1 + e) * reduced_mass * speed), system.size);
   } else {

@@ -23,6 +23,15 @@ bool IsCarried(const Ownership& ownership, State& state, int geom) {
   return index < 0 || state.record(index).carried != 0;
 }
 
+// Whether the two geoms strike each other in this step.
+bool IsStruck(State& state, const mjContact& contact) {
+  bool struck = false;
+  ForPulsesOfStep(state, [&](const Pulse& pulse) {
+    struck = struck || (pulse.geom[0] == contact.geom[0] && pulse.geom[1] == contact.geom[1]);
+  });
+  return struck;
+}
+
 }  // namespace
 
 bool IsLaterStage(const mjModel* m, const mjData* d, const State& state) {
@@ -69,7 +78,7 @@ void ApplyHeldForce(const mjModel* m, mjData* d, int instance, State& state) {
     const mjContact& contact = d->contact[i];
     if (!IsTakenOver(ownership, contact)) continue;
     const bool real = IsCarried(ownership, state, contact.geom[0]) &&
-                      IsCarried(ownership, state, contact.geom[1]);
+                      IsCarried(ownership, state, contact.geom[1]) && !IsStruck(state, contact);
     if (!real) Silence(d, i);
   }
 }

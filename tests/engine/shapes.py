@@ -153,4 +153,4 @@ def impacts_of(model: mujoco.MjModel, free: mujoco.MjModel, data, steps: int):
 def attached(xml: str, **settings) -> mujoco.MjModel:
     """The scene with its impacts ours, seen early enough for what turns fast."""
     settings.setdefault("gap", 0.015)
-    return mujoco_impact.attach(xml, **settings).compile()
+    return mujoco_impact.attach(xml, **settings, friction="none").compile()

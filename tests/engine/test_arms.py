@@ -34,7 +34,7 @@ def scene(
         <body pos=".155 .003 1.2"><freejoint/><geom size=".04" mass=".4"/></body>
       </worldbody>
     </mujoco>"""
-    return attach(mjcf, restitution=1.0).compile()
+    return attach(mjcf, restitution=1.0, friction="none").compile()
 
 
 def thrown(model: mujoco.MjModel, *, speed: float = 4.0) -> mujoco.MjData:

@@ -133,7 +133,9 @@ class Energy:
 def test_a_crowded_step_keeps_to_its_budget(scene, depth):
     """And what is ended for want of work adds no energy, nor lets bodies through."""
     xml, settings, steps = SCENES[scene]
-    model = mujoco_impact.attach(xml, depth=depth, **settings).compile()
+    model = mujoco_impact.attach(
+        xml, depth=depth, **settings, friction="none"
+    ).compile()
     data = mujoco.MjData(model)
     energy = Energy(xml)
     energies = [energy(data)]
@@ -157,7 +159,9 @@ def test_a_crowded_step_keeps_to_its_budget(scene, depth):
 
 def test_tied_bodies_keep_to_it_as_well():
     """What ties join counts as one body."""
-    model = mujoco_impact.attach(tied_raft(24), restitution=0.5).compile()
+    model = mujoco_impact.attach(
+        tied_raft(24), restitution=0.5, friction="none"
+    ).compile()
     data = mujoco.MjData(model)
     worst = 0.0
     for _ in range(100):
@@ -168,14 +172,14 @@ def test_tied_bodies_keep_to_it_as_well():
 
 
 def test_a_step_without_impacts_has_no_work():
-    model = mujoco_impact.attach(raft(2)).compile()
+    model = mujoco_impact.attach(raft(2), friction="none").compile()
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data)
     assert work_of_step(model, data) == 0
 
 
 def test_the_work_of_a_step_does_not_depend_on_how_often_it_is_computed():
-    model = mujoco_impact.attach(raft(8), restitution=0.5).compile()
+    model = mujoco_impact.attach(raft(8), restitution=0.5, friction="none").compile()
     data = mujoco.MjData(model)
     while work_of_step(model, data) == 0:
         mujoco.mj_step(model, data)
@@ -199,7 +203,7 @@ def test_a_long_elastic_row_is_solved_to_its_end():
         for i in range(number)
     )
     xml = DOCUMENT.format(timestep=0.01, asset="", bodies=bodies)
-    model = mujoco_impact.attach(xml).compile()
+    model = mujoco_impact.attach(xml, friction="none").compile()
     data = mujoco.MjData(model)
     data.qvel[0] = 0.5
     for _ in range(3):

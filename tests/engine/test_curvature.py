@@ -55,7 +55,7 @@ def row(names) -> tuple[mujoco.MjModel, mujoco.MjData]:
   <asset><mesh name="brick" scale=".01 .01 .01" vertex="{BRICK}"/></asset>
   <worldbody>{bodies}</worldbody>
 </mujoco>"""
-    model = mujoco_impact.attach(xml, touch=1e-8).compile()
+    model = mujoco_impact.attach(xml, touch=1e-8, friction="none").compile()
     data = mujoco.MjData(model)
     data.qvel[0] = SPEED
     return model, data

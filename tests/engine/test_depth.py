@@ -32,7 +32,7 @@ def shot(masses, speed, *, timestep=1e-3, integrator="Euler", depth, steps=200, 
     )
     xml = SCENE.format(balls=balls, timestep=timestep, integrator=integrator)
     model = mujoco_impact.attach(
-        xml, depth=depth, gap=3 * speed * timestep, **settings
+        xml, depth=depth, gap=3 * speed * timestep, **settings, friction="none"
     ).compile()
     data = mujoco.MjData(model)
     data.qvel[0] = speed
@@ -149,7 +149,7 @@ def test_a_ball_that_a_pulse_throws_at_another_strikes_it_in_the_same_step():
     xml = SCENE.format(balls=balls, timestep=h, integrator="Euler")
     # stiff, or the law would take both impacts for one
     model = mujoco_impact.attach(
-        xml, depth=DEPTH, gap=0.01, duration=pulse, young=1e14
+        xml, depth=DEPTH, gap=0.01, duration=pulse, young=1e14, friction="none"
     ).compile()
     data = mujoco.MjData(model)
     data.qvel[:] = speeds

@@ -47,7 +47,9 @@ def sinks(model: mujoco.MjModel) -> np.ndarray:
 @pytest.mark.parametrize("count", [1, 16, 50])
 def test_balls_on_a_table_sink_as_deep_as_without_the_plugin(count):
     alone = sinks(mujoco.MjModel.from_xml_string(table(count)))
-    ours = sinks(mujoco_impact.attach(table(count), restitution=0.5).compile())
+    ours = sinks(
+        mujoco_impact.attach(table(count), restitution=0.5, friction="none").compile()
+    )
     # the default depth is 1 µm
     np.testing.assert_allclose(ours, alone, rtol=0, atol=2e-6)
 
@@ -56,7 +58,7 @@ def test_balls_on_a_table_sink_as_deep_as_without_the_plugin(count):
 def test_a_ball_that_bounced_comes_to_rest_there_too(integrator):
     spec = with_integrator(table(1), integrator, 0.002)
     alone = sinks(spec.copy().compile())
-    model = mujoco_impact.attach(spec, restitution=0.5).compile()
+    model = mujoco_impact.attach(spec, restitution=0.5, friction="none").compile()
     data = mujoco.MjData(model)
     data.qpos[2] += 0.1
     mujoco.mj_step(model, data, 1500)
@@ -68,7 +70,7 @@ def test_a_ball_that_bounced_comes_to_rest_there_too(integrator):
 def test_a_ball_rests_also_where_a_step_is_shorter_than_a_pulse():
     """A pulse that is over leaves the contact to MuJoCo; else the ball falls."""
     spec = with_integrator(table(1), "Euler", 1e-4)
-    model = mujoco_impact.attach(spec).compile()
+    model = mujoco_impact.attach(spec, friction="none").compile()
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data, 10_000)
     # alone it sinks by .37 mm: with MuJoCo's default softness, whatever the timestep
@@ -83,7 +85,7 @@ def test_the_table_does_not_feel_what_strikes_the_ball_on_it(integrator):
     nothing; what it loses before is excluded by the sum.
     """
     spec = with_integrator(table(2), integrator, 2e-3)
-    model = mujoco_impact.attach(spec, restitution=1.0).compile()
+    model = mujoco_impact.attach(spec, restitution=1.0, friction="none").compile()
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data, 500)
     data.qvel[0] = 1.0
@@ -103,7 +105,7 @@ def test_the_table_does_not_feel_what_strikes_the_ball_on_it(integrator):
 def test_a_repeated_forward_changes_nothing_where_boxes_pile_up():
     """A pulse that presses keeps its slot, also when new ones want it."""
     xml = boxes([(0.01 * (i % 2), 0.06 + 0.11 * i) for i in range(5)])
-    model = mujoco_impact.attach(xml, restitution=0.7).compile()
+    model = mujoco_impact.attach(xml, restitution=0.7, friction="none").compile()
     data, again = mujoco.MjData(model), mujoco.MjData(model)
     for _ in range(400):
         mujoco.mj_forward(model, again)
@@ -119,7 +121,7 @@ def test_stacked_boxes_lie_as_without_the_plugin(integrator, restitution):
     spec = with_integrator(xml, integrator, 2e-3)
     heights = []
     for model in (
-        mujoco_impact.attach(spec, restitution=restitution).compile(),
+        mujoco_impact.attach(spec, restitution=restitution, friction="none").compile(),
         spec.compile(),
     ):
         data = mujoco.MjData(model)

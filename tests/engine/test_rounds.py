@@ -44,7 +44,7 @@ def test_a_pulse_under_way_elsewhere_changes_nothing(integrator):
     def shot(positions, slow):
         xml = balls(positions, integrator=integrator)
         model = mujoco_impact.attach(
-            xml, duration=0.01, depth=1e-4, gap=0.1, restitution=1.0
+            xml, duration=0.01, depth=1e-4, gap=0.1, restitution=1.0, friction="none"
         ).compile()
         data = mujoco.MjData(model)
         if slow:
@@ -79,7 +79,7 @@ def test_a_dense_crowd_is_resolved_as_far_as_its_impacts_reach():
     direction /= np.linalg.norm(direction, axis=1)[:, np.newaxis]
     xml = balls(lattice, timestep=4 * RADIUS, memory="200M")
     model = mujoco_impact.attach(
-        xml, gap=20 * RADIUS, depth=RADIUS / 2, young=1e7
+        xml, gap=20 * RADIUS, depth=RADIUS / 2, young=1e7, friction="none"
     ).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)

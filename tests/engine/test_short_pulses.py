@@ -36,7 +36,7 @@ def test_a_pulse_that_ends_within_a_step_ends_no_process(seed, steps):
     """Then nothing may be left to close where the bodies are when it is over."""
     rng = np.random.default_rng(seed)
     model = mujoco_impact.attach(
-        pile(rng), duration=steps * TIMESTEP, restitution=0.9
+        pile(rng), duration=steps * TIMESTEP, restitution=0.9, friction="none"
     ).compile()
     data = mujoco.MjData(model)
     data.qvel = 1.5 * rng.normal(size=model.nv)
@@ -69,7 +69,7 @@ def test_a_body_between_plates_keeps_its_energy(steps, seed):
       </worldbody>
     </mujoco>"""
     model = mujoco_impact.attach(
-        xml, restitution=1.0, speed=20, duration=steps * TIMESTEP
+        xml, restitution=1.0, speed=20, duration=steps * TIMESTEP, friction="none"
     ).compile()
     data = mujoco.MjData(model)
     data.qvel[2], data.qvel[3:] = -2, 20 * rng.normal(size=3)

@@ -38,7 +38,7 @@ def after(shape: str, tilt: float, timestep: float) -> np.ndarray:
     xml = SCENE.format(
         shape=SHAPES[shape], tilt=f"{tilt} {-tilt} 30", timestep=timestep
     )
-    model = mujoco_impact.attach(xml, gap=0.02).compile()
+    model = mujoco_impact.attach(xml, gap=0.02, friction="none").compile()
     data = mujoco.MjData(model)
     data.qvel[0], data.qvel[3:6] = SPEED, SPIN
     step_to_impact(model, data)
@@ -80,7 +80,7 @@ def test_a_body_that_spins_off_centre_keeps_its_energy_in_a_soft_bounce(young):
         </body>
       </worldbody>
     </mujoco>"""
-    model = attach(mjcf, restitution=1.0, young=young).compile()
+    model = attach(mjcf, restitution=1.0, young=young, friction="none").compile()
     free = mujoco.MjModel.from_xml_string(mjcf)
     free.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
     data, without = mujoco.MjData(model), mujoco.MjData(free)
@@ -125,7 +125,7 @@ def test_an_impact_leaves_the_spin_of_an_ellipsoid_about_its_axis(floor, young):
         </body>
       </worldbody>
     </mujoco>"""
-    model = attach(mjcf, restitution=1.0, young=young).compile()
+    model = attach(mjcf, restitution=1.0, young=young, friction="none").compile()
     data = mujoco.MjData(model)
     data.qvel[:] = [0.3, 0.0, -4.0, 5.0, -3.0, 2.0]
     for _ in range(300):

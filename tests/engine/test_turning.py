@@ -25,7 +25,9 @@ def shot(places, velocities, integrator="Euler", steps=150, **settings):
         for x, y, z in places
     )
     xml = SCENE.format(balls=balls, integrator=integrator)
-    model = mujoco_impact.attach(xml, depth=0.5 * RADIUS, **settings).compile()
+    model = mujoco_impact.attach(
+        xml, depth=0.5 * RADIUS, **settings, friction="none"
+    ).compile()
     data = mujoco.MjData(model)
     qvel = data.qvel.reshape(len(places), 6)
     qvel[:, :3] = velocities

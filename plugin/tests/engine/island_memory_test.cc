@@ -126,8 +126,8 @@ TEST_P(IslandMemory, AnIslandTakesNoMoreThanItAsksFor) {
   const mjtNum* acceleration = inside.Zeros(static_cast<int>(m->nv));
   Budget budget(m, config, contacts);
   mjtNum stiffer = 1;
-  ResolveIsland(m, config, ownership, system, time, velocity, acceleration, budget, &stiffer,
-                impacts, inside);
+  ResolveIsland(m, config, ownership, system, time, velocity, acceleration, acceleration, nullptr,
+                budget, &stiffer, impacts, inside);
   if (config.friction) {
     AddFriction(m, d, config, outlook.motion, time.tau, velocity, system, impacts, inside);
   }
