@@ -105,8 +105,8 @@ print(f"falls {fall:.2f} m, flies {rise:.2f} m high: {rise / fall:.1f} times")
     Scene(
         name="break",
         title="Billiard break",
-        text="Fifteen touching balls, struck by a sixteenth at 4 m/s. As impacts have "
-        "no friction yet, the balls slide on an air table: they do not roll or spin.",
+        text="Fifteen touching balls, struck by a sixteenth at 4 m/s. They slide on an "
+        "air table; where they strike each other, friction turns them.",
         code="""
 import mujoco_impact
 
@@ -119,7 +119,7 @@ motion = mujoco_impact.run(spec, duration=1.6, keyframe="shot")
         name="dominoes",
         title="Domino row",
         text="Each stone pushes the next. The stones turn about their lower edge, on "
-        "hinges, so that the floor needs no friction. Between stones there is none.",
+        "hinges, and rub against each other.",
         code="""
 import mujoco_impact
 

@@ -32,6 +32,7 @@ BOX = """
     <body name="die" pos="0 0 .3" euler="20 30 0"><freejoint/>
       <geom name="die" type="box" size=".05 .03 .02" density="1000"/></body>
   </worldbody>
+  <default><geom condim="1"/></default>
 </mujoco>
 """
 

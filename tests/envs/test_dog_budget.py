@@ -7,7 +7,7 @@ pytest.importorskip("dm_control")
 
 from mujoco_impact import envs
 
-WORK = 15  # in the header of the state, see plugin/README.md
+WORK = 15  # in the header of the state, over its budget: plugin/README.md
 
 
 @pytest.mark.filterwarnings("ignore:MuJoCo.s sensors")
@@ -29,9 +29,8 @@ def test_a_dog_of_many_geoms_keeps_to_the_budget(restitution, options):
         if step % 15 == 0:
             physics.set_control(random.uniform(-1, 1, model.nu))
         physics.step()
-        budget = 1.7e6 + 12 * (300 * model.nv + 20 * model.nM + 400 * data.ncon)
         work = float(data.plugin_state[model.plugin_stateadr[0] + WORK])
-        worst, contacts = max(worst, work / budget), max(contacts, data.ncon)
+        worst, contacts = max(worst, work), max(contacts, data.ncon)
     assert contacts > 100
     # the last round of a step is ended, not left out
     assert 0.02 < worst < 1.5

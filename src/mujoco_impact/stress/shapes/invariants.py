@@ -9,7 +9,6 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from mujoco_impact.stress.methods import OURS
 from mujoco_impact.stress.promises import FINITE, NO_PULL, SAME_BITS, Invariant
 from mujoco_impact.stress.shapes.evidence import Evidence
 from mujoco_impact.stress.shapes.stretches import stretches
@@ -61,19 +60,13 @@ def momentum(evidence: Evidence) -> float | None:
 
 
 def kept_spin(evidence: Evidence) -> float | None:
-    """Largest change of a spin about an axis of symmetry in a step by its impacts.
+    """Largest change of a spin about an axis of symmetry in a step by its contacts.
 
-    Over the fastest turn, or speed over half-width. MuJoCo's contacts have friction
-    unless their dimension is 1: ours are judged in steps in which none of those pushes,
-    theirs not at all, for between the stages of Runge-Kutta they may push unseen.
+    Over the fastest turn, or speed over half-width. Of contacts without friction: those
+    of dimension 1.
     """
     run, model = evidence.run, evidence.scene.apart
-    steps = np.logical_not(run.pushed)
-    if evidence.case.condim == 1:
-        steps[:] = True
-    elif evidence.method != OURS:
-        return None
-    if not run.is_sound or not steps.any():
+    if evidence.case.condim > 1 or not run.is_sound:
         return None
     worst: float | None = None
     for body in _free_bodies(evidence):
@@ -85,7 +78,7 @@ def kept_spin(evidence: Evidence) -> float | None:
         scale = np.linalg.norm(turn, axis=1).max()
         scale += np.linalg.norm(speed, axis=1).max() / evidence.case.size
         change = (turn[1:] - evidence.apart[1][:, dof + 3 : dof + 6]) @ axes.T
-        largest = float(np.abs(change[steps]).max()) / max(scale, 1e-300)
+        largest = float(np.abs(change).max()) / max(scale, 1e-300)
         worst = max(worst or 0.0, largest)
     return worst
 
