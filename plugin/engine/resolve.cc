@@ -52,7 +52,8 @@ bool SolveHertz(const Config& config, const IslandSystem& system, const ImpactTi
                                   budget.OfLaw(),
                                   budget.OfEnd(),
                                   time.longest,
-                                  problem.tangents ? &problem.tangents->friction : nullptr};
+                                  problem.tangents ? &problem.tangents->friction : nullptr,
+                                  problem.tangents ? problem.tangents->rest : nullptr};
   for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset, problem.peak}) {
     mju_zero(solution, problem.size);
   }

@@ -93,6 +93,45 @@ law::TangentBlock* BuildBlocks(const mjModel* m, const Mobility& mobility,
   return blocks;
 }
 
+// Whether a contact can part while friction holds it: the Schur complement of its own couplings,
+//
+//   W_nn − W_nt W_tt⁻¹ W_tn
+//
+// is no small part of W_nn. That of an arm of one or two joints on a wall cannot. In rigid friction
+// it would wedge, with impulses without bound that move nothing, and so its impacts have none.
+bool CanPart(const ContactRow& row, const SlipRow slip[2], const mjModel* m) {
+  constexpr mjtNum kLeast = 1e-2, kRounding = 1e-9;
+  const mjtNum nn = Couple(m, row.segment, row.segment);
+  const mjtNum n1 = Couple(m, row.segment, slip[0].segment);
+  const mjtNum n2 = Couple(m, row.segment, slip[1].segment);
+  const mjtNum a = Couple(m, slip[0].segment, slip[0].segment) + kRounding * nn;
+  const mjtNum b = Couple(m, slip[0].segment, slip[1].segment);
+  const mjtNum c = Couple(m, slip[1].segment, slip[1].segment) + kRounding * nn;
+  const mjtNum taken = (c * n1 * n1 - 2 * b * n1 * n2 + a * n2 * n2) / (a * c - b * b);
+  return nn - taken > kLeast * nn;
+}
+
+// What friction holds may store compression for ever, and moves no more: an impact is over when
+// nothing moves faster than this part of its fastest closing, and what MuJoCo carries rests as
+// ever.
+mjtNum* RestSpeeds(const mjModel* m, const mjData* d, const IslandSystem& system, mjtNum tau,
+                   const mjtNum* velocity, Scratch& scratch) {
+  constexpr mjtNum kStill = 1e-4;
+  mjtNum* rest = scratch.Take<mjtNum>(system.size);
+  mjtNum fastest = 0;
+  for (int k = 0; k < system.size; ++k) {
+    const ContactRow& row = system.row[k];
+    fastest = std::max(fastest, Dot(row.normal, row.driven) - RowTimes(m, row, velocity));
+  }
+  for (int k = 0; k < system.size; ++k) {
+    const ContactRow& row = system.row[k];
+    const bool carried = IsCarried(*row.contact);
+    rest[k] = std::max(kStill * fastest, carried ? row.path.RestSpeed(m, d, tau) : 0);
+    rest[k] = std::min(rest[k], 0.5 * fastest);
+  }
+  return rest;
+}
+
 }  // namespace
 
 TangentPlane TangentsOf(const Vector3& n) {
@@ -158,9 +197,13 @@ Tangents* BuildTangents(const mjModel* m, const mjData* d, const Mobility& mobil
                         const mjtNum* velocity, Scratch& scratch) {
   const int n = system.size;
   const law::DelassusMatrix& W = system.delassus;
-  auto* tangents = new (scratch.Take<Tangents>(1))
-      Tangents{scratch.Take<SlipRow>(2 * n), scratch.Take<Vector3>(2 * n), scratch.Zeros(2 * n),
-               scratch.Zeros(2 * n),         scratch.Zeros(2 * n),         {}};
+  auto* tangents = new (scratch.Take<Tangents>(1)) Tangents{scratch.Take<SlipRow>(2 * n),
+                                                            scratch.Take<Vector3>(2 * n),
+                                                            scratch.Zeros(2 * n),
+                                                            scratch.Zeros(2 * n),
+                                                            scratch.Zeros(2 * n),
+                                                            {},
+                                                            nullptr};
   mjtNum *mu = scratch.Take<mjtNum>(n), *slip = scratch.Take<mjtNum>(2 * n);
   for (int k = 0; k < n; ++k) {
     const ContactRow& row = system.row[k];
@@ -174,7 +217,9 @@ Tangents* BuildTangents(const mjModel* m, const mjData* d, const Mobility& mobil
       // of side 1 over side 0
       slip[i] = SegmentsTimes(m, along.segment, velocity) - Dot(row.driven, tangents->axis[i]);
     }
+    if (!CanPart(row, tangents->row + 2 * k, m)) mu[k] = 0;
   }
+  tangents->rest = RestSpeeds(m, d, system, tau, velocity, scratch);
   law::CoulombFriction& friction = tangents->friction;
   friction = {mu, slip, nullptr, nullptr, nullptr};
   if (W.by_body) {

@@ -413,6 +413,7 @@ ImpactReport Integrator::Run() {
     }
     Accept(h);
     if (!lossless_) UpdatePhases();
+    if (IsWedged(problem_, scale_, lanes_, h)) break;
     MoveWindow();
     h *= std::min(growth, growth_of_friction);
     ++report.steps;

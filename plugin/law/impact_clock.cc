@@ -66,6 +66,16 @@ bool MovesSlowly(const ImpactProblem& problem, const Lanes& lanes) {
   return true;
 }
 
+bool IsWedged(const ImpactProblem& problem, const ImpactScale& scale, const Lanes& lanes,
+              double h) {
+  constexpr double kStill = 1e-4;  // of the speed of the impact
+  if (!problem.friction || h < scale.time) return false;
+  for (int i = 0; i < lanes.size(); ++i) {
+    if (lanes.y[i] > 0 && std::abs(lanes.c[i]) > kStill * scale.speed) return false;
+  }
+  return AnyCompressed(lanes);
+}
+
 bool AnyCompressed(const Lanes& lanes) {
   return std::any_of(lanes.y, lanes.y + lanes.size(), [](double y) { return y > 0; });
 }

@@ -43,6 +43,10 @@ inline bool IsAtRest(const ImpactProblem& problem, const Lanes& lanes) {
   return problem.rest_speed && MovesSlowly(problem, lanes);
 }
 
+// Whether friction holds all that is compressed, after a step h in which it could have parted: a
+// ball in a groove, wedged between its walls. The forces would go on for ever and move nothing.
+bool IsWedged(const ImpactProblem& problem, const ImpactScale& scale, const Lanes& lanes, double h);
+
 bool AnyCompressed(const Lanes& lanes);
 
 // Flies to the next closing, no contact being compressed; false if none comes in time. A contact

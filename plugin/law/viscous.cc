@@ -204,6 +204,7 @@ ImpactReport Integrator::Run() {
     if (error <= 1 && (of_friction <= 1 || h <= kShortest * scale_.time)) {
       if (friction_) friction_->Finish(rate_, y_new_, c_new_);
       Accept(h);
+      if (IsWedged(problem_, scale_, lanes_, h)) break;
       MoveWindow();
       ++report.steps;
     }
