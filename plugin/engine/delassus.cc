@@ -13,8 +13,6 @@ namespace {
 // keep the compressed form and its bits.
 constexpr double kWorthwhile = 4;
 
-bool IsByBody(const DelassusSize& size) { return kWorthwhile * size.dofs < size.couplings; }
-
 // J_k M⁻¹ J_lᵀ
 mjtNum Couple(const mjModel* m, const ContactRow& k, const ContactRow& l) {
   mjtNum sum = 0;
@@ -186,6 +184,8 @@ law::DelassusMatrix ByBody(const mjModel* m, const Mobility& mobility, const Con
 }
 
 }  // namespace
+
+bool IsByBody(const DelassusSize& size) { return kWorthwhile * size.dofs < size.couplings; }
 
 law::BodyRow* RowParts(const mjModel* m, const Mobility& mobility, const RowSegment* const* rows,
                        int number, Scratch& scratch) {

@@ -19,6 +19,9 @@ struct DelassusSize {
   size_t couplings, dofs;
 };
 
+// Whether the matrix of such an island is kept by bodies, not in compressed rows.
+bool IsByBody(const DelassusSize& size);
+
 // Degrees of freedom of each tree, or of all trees that are tied to it at the one that stands for
 // them (ntree); `offset`, unless null, gets where each tree begins among them.
 int* GroupDofs(const mjModel* m, const Mobility& mobility, int* offset, Scratch& scratch);

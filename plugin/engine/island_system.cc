@@ -81,7 +81,7 @@ size_t IslandBytes(const mjModel* m, const Mobility& mobility, const Gathered& c
                       law::ImpactIndices(count) * sizeof(int) + m->ngeom * sizeof(mjtNum);
   // an IslandProblem and the lists of the Delassus matrix; what arrays are aligned by
   constexpr size_t kPerContact = 16 * sizeof(mjtNum), kAlignment = 512;
-  const size_t tangents = friction ? TangentBytes(m, mobility, count, dofs, size.couplings) : 0;
+  const size_t tangents = friction ? TangentBytes(m, mobility, count, dofs, size) : 0;
   return kAlignment + laws + tangents + DelassusBytes(m, mobility, count, size) +
          count * (sizeof(ContactRow) + sizeof(Impact) + kPerContact) +
          (2 * dofs + 2 * m->nv) * sizeof(mjtNum);

@@ -180,16 +180,22 @@ bool HasFriction(const Config& config, const Gathered& contacts) {
 }
 
 size_t TangentBytes(const mjModel* m, const Mobility& mobility, int contacts, size_t dofs,
-                    size_t couplings) {
-  const size_t rows = 2 * contacts;
-  const size_t numbers = 2 * 2 * dofs + 3 * rows +
-                         6 * static_cast<size_t>(contacts) * static_cast<size_t>(mobility.ties());
-  // by bodies, tied trees side by side
-  const size_t by_body = rows * (2 * sizeof(law::BodyRow) + 4 * m->nv * sizeof(mjtNum)) *
-                         (mobility.ties() > 0 ? 1 : 0);
-  return sizeof(Tangents) + rows * (sizeof(SlipRow) + sizeof(Vector3) + 2 * sizeof(law::BodyRow)) +
-         couplings * (sizeof(law::TangentBlock) + sizeof(mjtNum)) + by_body +
-         (numbers + 5 * rows + 64) * sizeof(mjtNum);
+                    const DelassusSize& size) {
+  const size_t n = contacts, ties = mobility.ties();
+  const size_t rows = 2 * n * (sizeof(SlipRow) + sizeof(Vector3) + sizeof(RowSegment*));
+  // two rows of a Jacobian and two answers; impulse, moment, slip before and after; rest and μ
+  size_t numbers = 2 * 2 * dofs + 4 * 2 * n + 2 * n;
+  size_t matrix = 0;
+  if (IsByBody(size)) {
+    // what is tied has its rows side by side
+    numbers += ties > 0 ? 2 * 2 * size.dofs + static_cast<size_t>(m->nv) : 0;
+    matrix = 4 * n * sizeof(law::BodyRow) + 2 * m->ntree * sizeof(int);
+  } else {
+    numbers += size.couplings + 2 * 3 * n * ties;
+    matrix = size.couplings * sizeof(law::TangentBlock);
+  }
+  constexpr size_t kAlignment = 1024;
+  return sizeof(Tangents) + rows + matrix + numbers * sizeof(mjtNum) + kAlignment;
 }
 
 Tangents* BuildTangents(const mjModel* m, const mjData* d, const Mobility& mobility,

@@ -13,6 +13,7 @@
 #include <cstddef>
 
 #include "engine/config.h"
+#include "engine/delassus.h"
 #include "engine/impact.h"
 #include "engine/island_system.h"
 #include "engine/mobility.h"
@@ -56,10 +57,10 @@ struct Tangents {
   mjtNum* rest;  // (size) speeds that are left to rest [m/s]
 };
 
-// Bytes of scratch for them: `dofs` is the sum of those of the trees of all contacts, `couplings`
-// the number of entries of the Delassus matrix.
+// Bytes of scratch for them: `dofs` is the sum of those of the trees of all contacts, `size` that
+// of the Delassus matrix.
 size_t TangentBytes(const mjModel* m, const Mobility& mobility, int contacts, size_t dofs,
-                    size_t couplings);
+                    const DelassusSize& size);
 
 // Builds them for the velocity of the bodies at τ (nv).
 Tangents* BuildTangents(const mjModel* m, const mjData* d, const Mobility& mobility,
