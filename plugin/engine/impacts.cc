@@ -160,7 +160,8 @@ void Resolver::AddShare(const ContactRow& row, const ImpactTime& time, const Sha
 
 ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, int count) const {
   const mjtNum h = m_->opt.timestep;
-  ImpactTime time{outlook.start, 0, h, flight_, h, h, -1, h, 0};
+  ImpactTime time{
+      outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1, h, 0};
   for (int k = 0; k < count; ++k) {
     const int i = position[k];
     if (!contacts_.due[i]) continue;

@@ -120,9 +120,13 @@ bool SetCommonPulse(const mjModel* m, const Config& config, const IslandSystem& 
 // closes after a flight is left for later accordingly. Where all that is not enough, contacts share
 // one pulse. Returns whether the impulses come at once.
 bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem& system,
-                      ImpactTime time, Budget& budget, mjtNum* stiffer, IslandProblem& problem) {
+                      ImpactTime time, mjtNum contact_time, Budget& budget, mjtNum* stiffer,
+                      IslandProblem& problem) {
   constexpr int kTrials = 5;
+  // of steps: a contact that lasts longer has parted long before another closes a step later
+  constexpr mjtNum kLasting = 1.5;
   bool at_once = false;
+  if (contact_time > kLasting * time.timestep) time.longest = std::min(time.longest, time.timestep);
   mjtNum all_less = 1;
   const auto stiffen = [&](mjtNum less) {
     all_less *= less;
@@ -255,7 +259,8 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   mjtNum* alpha = scratch.Zeros(system.size);
   bool at_once = false;
   if (config.law == Law::kHertz) {
-    at_once = SolveWithinDepth(m, config, system, time, budget, stiffer, problem);
+    const mjtNum contact_time = law::ContactTime(problem.stiffness[first], reduced_mass, speed);
+    at_once = SolveWithinDepth(m, config, system, time, contact_time, budget, stiffer, problem);
     if (at_once)
       CountForcesMeanwhile(m, system, acceleration, time.seen, config.restitution, problem);
     // α_k = P_k / P_ref, P_ref = (1 + e) μ u of the contact that closes first

@@ -68,10 +68,11 @@ bool MovesSlowly(const ImpactProblem& problem, const Lanes& lanes) {
 
 bool IsWedged(const ImpactProblem& problem, const ImpactScale& scale, const Lanes& lanes,
               double h) {
-  constexpr double kStill = 1e-4;  // of the speed of the impact
+  const double still = kSpeedFloor * problem.tolerance * scale.speed;
   if (!problem.friction || h < scale.time) return false;
   for (int i = 0; i < lanes.size(); ++i) {
-    if (lanes.y[i] > 0 && std::abs(lanes.c[i]) > kStill * scale.speed) return false;
+    const double speed = lanes.y[i] > 0 ? std::abs(lanes.c[i]) : lanes.c[i];
+    if (speed > still) return false;
   }
   return AnyCompressed(lanes);
 }
