@@ -99,7 +99,7 @@ void DeliverActive(const mjModel* m, mjData* d, const Mobility& mobility, State&
     AddPulseRow(m, d, pulse, pulse.line_next, 1, row);
     mju_addToScl(delivery.impulse, row, share.impulse, m->nv);
     mju_addToScl(delivery.moment, row, share.moment, m->nv);
-    mju_addToScl(delivery.second, row, SecondMoment(share), m->nv);
+    mju_addToScl(delivery.second, row, SecondMoment(share, m->opt.timestep), m->nv);
     mju_addToScl(delivery.remaining, row, pulse.remaining(), m->nv);
   });
 }

@@ -16,6 +16,8 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+
 #include "engine/mobility.h"
 #include "engine/scratch.h"
 #include "engine/state.h"
@@ -61,8 +63,12 @@ struct Share {
 // What a pulse exerts in the step of length h that starts at `clock`.
 Share ShareOfStep(const Pulse& pulse, mjtNum clock, mjtNum h);
 
-inline mjtNum SecondMoment(const Share& share) {
-  return share.impulse > 0 ? share.moment * share.moment / share.impulse : 0;
+// As of an impulse at one time, in or about the step: where dents are pressed out (overlap.h) a
+// push that is rounding may move bodies, and has no such time.
+inline mjtNum SecondMoment(const Share& share, mjtNum h) {
+  if (share.impulse <= 0) return 0;
+  const mjtNum time = std::clamp(share.moment / share.impulse, -h, 4 * h);
+  return time * time * share.impulse;
 }
 
 // When the last of the pulses under way ends, from the start of the step; 0 if there are none [s].

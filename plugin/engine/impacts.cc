@@ -138,7 +138,7 @@ void Resolver::AddShare(const ContactRow& row, const ImpactTime& time, const Sha
   for (const RowSegment& segment : row.segment) {
     if (segment.tree < 0) continue;
     const int begin = m_->tree_dofadr[segment.tree], dofs = m_->tree_dofnum[segment.tree];
-    const mjtNum second = SecondMoment(share);
+    const mjtNum second = SecondMoment(share, m_->opt.timestep);
     if (flights_.Has(segment.tree)) {
       mjtNum* kick = scratch.Take<mjtNum>(2 * dofs);
       mju_scl(kick, segment.inverse_inertia, share.impulse, dofs);

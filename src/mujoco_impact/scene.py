@@ -52,8 +52,9 @@ def attach(
 
     Adds a plugin instance with its settings, a `<tuple>` of the owned geoms and a
     sensor (all three called `name`), and gives the owned geoms a negative margin, so
-    that MuJoCo detects their contacts and leaves them out of its solver. Impulses act
-    along the normal, unless `friction="paper"` is set. Warns (`ImpactWarning`) of
+    that MuJoCo detects their contacts and leaves them out of its solver. Impacts
+    have the friction that MuJoCo finds for the contact, none if `condim` is 1 or
+    `friction="none"` is set. Warns (`ImpactWarning`) of
     MuJoCo's sensors that do not see these impacts.
 
     Args:

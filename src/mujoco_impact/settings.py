@@ -36,7 +36,7 @@ SETTINGS: Mapping[str, str] = MappingProxyType(
         "w0": "calibrated law: duration at zero mass and speed [s]",
         "kappa": "calibrated law: unit factor of the S_w term",
         "e": "calibrated law: restitution of the waveform",
-        "friction": "tangential impulses: none | paper",
+        "friction": "tangential impulses: coulomb, by MuJoCo's contacts | none | paper",
         "mu_s": "friction=paper: static factor of equation (7), >= 0",
         "mu_d": "friction=paper: dynamic factor of equation (9), >= 0",
     }

@@ -187,6 +187,7 @@ DIE = """
     <body name="die" pos="0 0 .3" euler="20 30 0"><freejoint/>
       <geom type="box" size=".05 .03 .02" density="1000"/></body>
   </worldbody>
+  <default><geom condim="1"/></default>
 </mujoco>
 """
 
