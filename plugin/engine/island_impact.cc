@@ -87,6 +87,8 @@ bool Resolver::FitsIsland(const int* position, int count) {
 const mjtNum* Resolver::FallOf(const IslandSystem& system, const int* position, mjtNum time,
                                Scratch& scratch) const {
   mjtNum* fall = scratch.Zeros(system.size);
+  // what pulses under way do to the bodies is no fall
+  if (start_.bend) return fall;
   const mjtNum lead = PathLag(m_);
   for (int k = 0; k < system.size; ++k) {
     if (contacts_.due[position[k]] || !IsCarried(*system.row[k].contact)) continue;

@@ -69,7 +69,8 @@ def test_elastic_impacts_on_a_light_chain_keep_the_energy(joint, timestep, bound
     model = scene(chain(10, joint), integrator="RK4", timestep=timestep)
     data = thrown(model)
     before = energy(model, data)
-    run(model, data, 0.3)
+    # two impacts; later MuJoCo's own contacts may push slow links, and lose energy
+    run(model, data, 0.1)
     assert np.abs(data.qvel[:-6]).max() > 1.0  # the chain was struck
     assert abs(energy(model, data) / before - 1) < bound
 
