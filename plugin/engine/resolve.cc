@@ -259,7 +259,11 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   mjtNum* alpha = scratch.Zeros(system.size);
   bool at_once = false;
   if (config.law == Law::kHertz) {
-    const mjtNum contact_time = law::ContactTime(problem.stiffness[first], reduced_mass, speed);
+    // of the fastest, not of the first: of several that close together any may be that
+    const mjtNum* c = problem.closing_speed;
+    const auto fastest = std::max_element(c, c + problem.size) - c;
+    const mjtNum contact_time = law::ContactTime(problem.stiffness[fastest],
+                                                 1 / system.delassus.diagonal[fastest], c[fastest]);
     at_once = SolveWithinDepth(m, config, system, time, contact_time, budget, stiffer, problem);
     if (at_once)
       CountForcesMeanwhile(m, system, acceleration, time.seen, config.restitution, problem);
