@@ -106,7 +106,7 @@ print(f"falls {fall:.2f} m, flies {rise:.2f} m high: {rise / fall:.1f} times")
         name="break",
         title="Billiard break",
         text="Fifteen touching balls, struck by a sixteenth at 4 m/s. They slide on an "
-        "air table; where they strike each other, friction turns them.",
+        "air table, do not spin, and have the friction of billiard balls.",
         code="""
 import mujoco_impact
 

@@ -11,9 +11,10 @@ from mujoco_impact.errors import MissingExtraError
 def install_hint(extra: str) -> str:
     """Returns the command that brings an extra.
 
-    The package is on no index yet: an extra comes from the folder it came from.
+    The package is on no index yet: an extra comes from the folder it came from. Its
+    name has hyphens there: pip 23.0 does not find `dm_control`.
     """
-    return f'`pip install "{_place()}[{extra}]"`'
+    return f'`pip install "{_place()}[{extra.replace("_", "-")}]"`'
 
 
 def require_matplotlib() -> None:

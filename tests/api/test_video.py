@@ -321,6 +321,7 @@ def test_the_command_compares(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         (["--size", "12"], "--size '12': must be WxH"),
         (["--out", "x.avi"], "must end in"),
         (["--camera", "x"], "there is no camera 'x'"),
+        (["--geoms", "x"], "there is no geom 'x'"),
     ],
 )
 @pytest.mark.usefixtures("gl")

@@ -279,7 +279,8 @@ def _notes(comparison: Comparison) -> list[str]:
     lines.append(
         f"first impact at {max(0.0, comparison.first.time):.4g} s with "
         f"v0 = {comparison.impact_speed:.4f} m/s; impacts slower than "
-        f"{comparison.slowest:.2g} m/s are not counted; energy lost in impacts is in "
-        f"parts of all energy of motion, {comparison.energy_scale:.3g} J"
+        f"{comparison.slowest:.2g} m/s are not counted; energy lost in impacts, to "
+        f"restitution and friction, is in parts of all energy of motion, "
+        f"{comparison.energy_scale:.3g} J"
     )
     return lines

@@ -12,13 +12,19 @@ from mujoco_impact.cli.options import (
     STANDARD_INPUT,
     DurationOption,
     FrictionOption,
+    GeomsOption,
     KeyframeOption,
     ModelArgument,
     ParamsOption,
     SetOption,
 )
 from mujoco_impact.cli.output import check_outputs, clean_errors, console_of, progress
-from mujoco_impact.cli.scenes import parsed_settings, scene_of, start_keyframe
+from mujoco_impact.cli.scenes import (
+    geom_names,
+    parsed_settings,
+    scene_of,
+    start_keyframe,
+)
 from mujoco_impact.errors import ConfigError
 from mujoco_impact.runner import run
 from mujoco_impact.starts import Keyframe
@@ -68,6 +74,7 @@ def video(
         typer.Option(help="Time of a .png [s] [default: that of the first impact]."),
     ] = None,
     keyframe: KeyframeOption = None,
+    geoms: GeomsOption = None,
     settings: SetOption = None,
     params: ParamsOption = None,
     friction: FrictionOption = False,
@@ -93,8 +100,8 @@ def video(
         check_outputs(target)
         videos.check_rendering(target)
         law = parsed_settings(settings, params, friction=friction)
-        attaching = law if closing_speed is None else {"speed": closing_speed, **law}
-        spec = scene_of(model, attaching, native=False)
+        attaching = parsed_settings(None, geoms=geom_names(geoms), speed=closing_speed)
+        spec = scene_of(model, attaching | law, native=False)
         start = start_keyframe(spec, keyframe)
         with progress(None) as report:
             report("simulating")
@@ -110,8 +117,8 @@ def video(
             )
         console = console_of(None)
         for panel in panels:
-            console.out(f"{panel.caption}: {len(panel.impacts)} impacts drawn"
-                        if panel.impacts else panel.caption)  # fmt: skip
+            drawn = f" (impacts drawn: {len(panel.impacts)})" if panel.impacts else ""
+            console.out(f"{panel.caption}{drawn}")
         console.out(f"video: {written}")
 
 

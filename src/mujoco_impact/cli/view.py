@@ -8,18 +8,25 @@ import typer
 
 from mujoco_impact.cli.options import (
     FrictionOption,
+    GeomsOption,
     KeyframeOption,
     ModelArgument,
     ParamsOption,
     SetOption,
 )
 from mujoco_impact.cli.output import clean_errors, console_of
-from mujoco_impact.cli.scenes import parsed_settings, scene_of, start_keyframe
+from mujoco_impact.cli.scenes import (
+    geom_names,
+    parsed_settings,
+    scene_of,
+    start_keyframe,
+)
 
 
 def view(
     model: ModelArgument,
     keyframe: KeyframeOption = None,
+    geoms: GeomsOption = None,
     settings: SetOption = None,
     params: ParamsOption = None,
     friction: FrictionOption = False,
@@ -35,7 +42,9 @@ def view(
         from mujoco_impact.viewer.window import check_display, show
 
         check_display()
-        law = parsed_settings(settings, params, friction=friction)
+        law = parsed_settings(
+            settings, params, friction=friction, geoms=geom_names(geoms)
+        )
         spec = scene_of(model, law, native=False)
         session = Session(dressed(spec), keyframe=start_keyframe(spec, keyframe))
         show(session, seconds=seconds)
