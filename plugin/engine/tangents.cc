@@ -132,6 +132,20 @@ mjtNum* RestSpeeds(const mjModel* m, const mjData* d, const IslandSystem& system
   return rest;
 }
 
+// The velocity of the surfaces along their geoms (`surfacevel`), of side 0 over side 1.
+Vector3 BeltVelocity(const mjModel* m, const mjData* d, const ContactRow& row, mjtNum tau) {
+  Vector3 velocity[2];
+  for (int i = 0; i < 2; ++i) {
+    const int geom = row.contact->geom[i];
+    const mjtNum* belt = m->geom_surfacevel + 6 * geom;
+    const mjtNum* R = d->geom_xmat + 9 * geom;
+    const Vector3 surface = SurfacePoint(m, geom, i, row.path.SideAt(i, tau), row.normal);
+    const Vector3 arm = surface - Load(d->geom_xpos + 3 * geom);
+    velocity[i] = Rotate(R, Load(belt)) + Cross(Rotate(R, Load(belt + 3)), arm);
+  }
+  return velocity[0] - velocity[1];
+}
+
 }  // namespace
 
 TangentPlane TangentsOf(const Vector3& n) {
@@ -215,13 +229,15 @@ Tangents* BuildTangents(const mjModel* m, const mjData* d, const Mobility& mobil
     const ContactRow& row = system.row[k];
     const TangentPlane plane = TangentsOf(row.normal);
     mu[k] = CoefficientOf(*row.contact);
+    const Vector3 belt = m->flg_surfacevel ? BeltVelocity(m, d, row, tau) : Vector3{};
     for (int i = 2 * k; i < 2 * k + 2; ++i) {
       SlipRow& along = tangents->row[i] = MakeSlipRow(m, row, scratch);
       tangents->axis[i] = plane.axis[i - 2 * k];
       FillSlipRow(m, d, row, motion, tau, tangents->axis[i], along);
       SolveSegments(m, d, along.segment);
       // of side 1 over side 0
-      slip[i] = SegmentsTimes(m, along.segment, velocity) - Dot(row.driven, tangents->axis[i]);
+      slip[i] = SegmentsTimes(m, along.segment, velocity) -
+                Dot(row.driven + belt, tangents->axis[i]);
     }
     if (!CanPart(row, tangents->row + 2 * k, m)) mu[k] = 0;
   }
