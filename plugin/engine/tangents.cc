@@ -99,14 +99,10 @@ law::TangentBlock* BuildBlocks(const mjModel* m, const Mobility& mobility,
 //
 // is no small part of W_nn. That of an arm of one or two joints on a wall cannot. In rigid friction
 // it would wedge, with impulses without bound that move nothing, and so its impacts have none.
-bool CanPart(const ContactRow& row, const SlipRow slip[2], const mjModel* m) {
+bool CanPart(const law::TangentBlock& own, mjtNum nn) {
   constexpr mjtNum kLeast = 1e-2, kRounding = 1e-9;
-  const mjtNum nn = Couple(m, row.segment, row.segment);
-  const mjtNum n1 = Couple(m, row.segment, slip[0].segment);
-  const mjtNum n2 = Couple(m, row.segment, slip[1].segment);
-  const mjtNum a = Couple(m, slip[0].segment, slip[0].segment) + kRounding * nn;
-  const mjtNum b = Couple(m, slip[0].segment, slip[1].segment);
-  const mjtNum c = Couple(m, slip[1].segment, slip[1].segment) + kRounding * nn;
+  const mjtNum n1 = own.nt[0], n2 = own.nt[1], b = own.tt[0][1];
+  const mjtNum a = own.tt[0][0] + kRounding * nn, c = own.tt[1][1] + kRounding * nn;
   const mjtNum taken = (c * n1 * n1 - 2 * b * n1 * n2 + a * n2 * n2) / (a * c - b * b);
   return nn - taken > kLeast * nn;
 }
@@ -239,7 +235,6 @@ Tangents* BuildTangents(const mjModel* m, const mjData* d, const Mobility& mobil
       slip[i] = SegmentsTimes(m, along.segment, velocity) -
                 Dot(row.driven + belt, tangents->axis[i]);
     }
-    if (!CanPart(row, tangents->row + 2 * k, m)) mu[k] = 0;
   }
   tangents->rest = RestSpeeds(m, d, system, tau, velocity, scratch);
   law::CoulombFriction& friction = tangents->friction;
@@ -251,6 +246,9 @@ Tangents* BuildTangents(const mjModel* m, const mjData* d, const Mobility& mobil
   } else {
     friction.block = BuildBlocks(m, mobility, system, tangents->row, scratch);
     friction.work = scratch.Take<mjtNum>(W.row_start[n]);
+  }
+  for (int k = 0; k < n; ++k) {
+    if (!CanPart(law::OwnBlock(W, friction, k), W.diagonal[k])) mu[k] = 0;
   }
   return tangents;
 }

@@ -58,11 +58,10 @@ void SlipAfter(const DelassusMatrix& W, const CoulombFriction& friction, const d
 }
 
 TangentBlock OwnBlock(const DelassusMatrix& W, const CoulombFriction& friction, int k) {
-  TangentBlock own{};
-  ForBlocks(W, friction, k, [&](int l, const TangentBlock& block) {
-    if (l == k) own = block;
-  });
-  return own;
+  if (W.by_body) return BlockOf(*W.by_body, TangentRows(W, friction), k, k);
+  const int* begin = W.column + W.row_start[k];
+  const int* end = W.column + W.row_start[k + 1];
+  return friction.block[std::find(begin, end, k) - W.column];
 }
 
 }  // namespace mujoco_impact::law

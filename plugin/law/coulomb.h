@@ -57,6 +57,17 @@ void AddTangential(const DelassusMatrix& W, const CoulombFriction& friction, con
 void SlipAfter(const DelassusMatrix& W, const CoulombFriction& friction, const double* p,
                const double* x, double* slip);
 
+// The couplings of the contacts k and l, by bodies.
+inline TangentBlock BlockOf(const BodyRows& normals, const BodyRows& tangents, int k, int l) {
+  TangentBlock block;
+  for (int i = 0; i < 2; ++i) {
+    block.nt[i] = Coupling(normals, tangents, k, 2 * l + i);
+    block.tn[i] = Coupling(tangents, normals, 2 * k + i, l);
+    for (int j = 0; j < 2; ++j) block.tt[i][j] = Coupling(tangents, 2 * k + i, 2 * l + j);
+  }
+  return block;
+}
+
 // Calls visit(l, block) for every contact l that shares a body with contact k, itself included.
 template <typename Visit>
 void ForBlocks(const DelassusMatrix& W, const CoulombFriction& friction, int k, Visit visit) {
@@ -65,15 +76,7 @@ void ForBlocks(const DelassusMatrix& W, const CoulombFriction& friction, int k, 
     return;
   }
   const BodyRows &normals = *W.by_body, tangents = TangentRows(W, friction);
-  ForNeighbours(W, k, [&](int l) {
-    TangentBlock block;
-    for (int i = 0; i < 2; ++i) {
-      block.nt[i] = Coupling(normals, tangents, k, 2 * l + i);
-      block.tn[i] = Coupling(tangents, normals, 2 * k + i, l);
-      for (int j = 0; j < 2; ++j) block.tt[i][j] = Coupling(tangents, 2 * k + i, 2 * l + j);
-    }
-    visit(l, block);
-  });
+  ForNeighbours(W, k, [&](int l) { visit(l, BlockOf(normals, tangents, k, l)); });
 }
 
 // Whether friction moves anything: balls on slides, say, cannot slip over each other.
