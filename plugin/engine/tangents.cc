@@ -232,8 +232,8 @@ Tangents* BuildTangents(const mjModel* m, const mjData* d, const Mobility& mobil
       FillSlipRow(m, d, row, motion, tau, tangents->axis[i], along);
       SolveSegments(m, d, along.segment);
       // of side 1 over side 0
-      slip[i] = SegmentsTimes(m, along.segment, velocity) -
-                Dot(row.driven + belt, tangents->axis[i]);
+      slip[i] =
+          SegmentsTimes(m, along.segment, velocity) - Dot(row.driven + belt, tangents->axis[i]);
     }
   }
   tangents->rest = RestSpeeds(m, d, system, tau, velocity, scratch);
