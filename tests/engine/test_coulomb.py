@@ -183,6 +183,52 @@ def test_an_arm_that_friction_would_wedge_bounces_without(integrator):
     assert data.qvel[0] == pytest.approx(-1.5, rel=1e-3)
 
 
+@pytest.mark.parametrize("e", [0.5, 1.0])
+def test_what_ties_leave_to_an_arm_decides_whether_friction_would_wedge_it(e):
+    """Two of three hinges are held by equality constraints. It was .3 of the speed."""
+    link = '<geom type="capsule" fromto="0 0 0 .1 0 0" size=".02"/>'
+    held = 'solref=".004 1" solimp=".9999 .9999 .001"'
+    xml = f"""
+    <mujoco><option timestep=".002" gravity="0 0 0"/>
+      <worldbody><geom type="plane" size="5 5 .1"/>
+        <body pos="0 0 .2"><joint axis="0 1 0"/>{link}
+          <body pos=".1 0 0"><joint name="a" axis="0 1 0"/>{link}
+            <body pos=".1 0 0"><joint name="b" axis="0 1 0"/>{link}</body></body></body>
+      </worldbody>
+      <equality><joint joint1="a" {held}/><joint joint1="b" {held}/></equality>
+    </mujoco>"""
+    model = mujoco_impact.attach(xml, restitution=e).compile()
+    data = mujoco.MjData(model)
+    data.qvel[0] = 3.0
+    mujoco.mj_step(model, data, 150)
+    # what holds the hinges is a little soft
+    assert data.qvel[0] == pytest.approx(-3 * e, rel=5e-3)
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "RK4"])
+def test_a_belt_throws_a_ball_as_a_floor_that_moves(integrator):
+    """Of `surfacevel` and the velocity of a ball only the difference counts."""
+
+    def velocity_after(belt: float, ball: float) -> np.ndarray:
+        xml = f"""
+        <mujoco><option timestep=".002" integrator="{integrator}" gravity="0 0 0"/>
+          <default><geom friction=".3"/></default>
+          <worldbody>
+            <geom type="plane" size="50 50 .1" surfacevel="{belt} .5 0 0 0 0"/>
+            <body pos="0 0 .053"><freejoint/><geom size=".05" mass=".2"/></body>
+          </worldbody></mujoco>"""
+        model = mujoco_impact.attach(xml, restitution=0.8).compile()
+        data = mujoco.MjData(model)
+        data.qvel[:] = [ball, 0, -2, 1, -3, 2]
+        mujoco.mj_step(model, data, 10)
+        return data.qvel - [ball, 0, 0, 0, 0, 0]
+
+    thrown = velocity_after(1.0, 0.0)
+    assert thrown[0] > 0.2
+    # rounding
+    np.testing.assert_allclose(thrown, velocity_after(0.0, -1.0), rtol=0, atol=1e-12)
+
+
 def test_stones_that_lean_on_each_other_only_fall():
     """Dominoes on hinges. A push that was rounding threw them at 1e4 rad/s."""
     stones = "".join(
