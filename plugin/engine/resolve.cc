@@ -52,8 +52,7 @@ bool SolveHertz(const Config& config, const IslandSystem& system, const ImpactTi
                                   budget.OfLaw(),
                                   budget.OfEnd(),
                                   time.longest,
-                                  problem.tangents ? &problem.tangents->friction : nullptr,
-                                  problem.tangents ? problem.tangents->rest : nullptr};
+                                  problem.tangents ? &problem.tangents->friction : nullptr};
   for (mjtNum* solution : {problem.impulse, problem.moment, problem.onset, problem.peak}) {
     mju_zero(solution, problem.size);
   }

@@ -107,27 +107,6 @@ bool CanPart(const law::TangentBlock& own, mjtNum nn) {
   return nn - taken > kLeast * nn;
 }
 
-// What friction holds may store compression for ever, and moves no more: an impact is over when
-// nothing moves faster than this part of its fastest closing, and what MuJoCo carries rests as
-// ever.
-mjtNum* RestSpeeds(const mjModel* m, const mjData* d, const IslandSystem& system, mjtNum tau,
-                   const mjtNum* velocity, Scratch& scratch) {
-  constexpr mjtNum kStill = 1e-4;
-  mjtNum* rest = scratch.Take<mjtNum>(system.size);
-  mjtNum fastest = 0;
-  for (int k = 0; k < system.size; ++k) {
-    const ContactRow& row = system.row[k];
-    fastest = std::max(fastest, Dot(row.normal, row.driven) - RowTimes(m, row, velocity));
-  }
-  for (int k = 0; k < system.size; ++k) {
-    const ContactRow& row = system.row[k];
-    const bool carried = IsCarried(*row.contact);
-    rest[k] = std::max(kStill * fastest, carried ? row.path.RestSpeed(m, d, tau) : 0);
-    rest[k] = std::min(rest[k], 0.5 * fastest);
-  }
-  return rest;
-}
-
 // The velocity of the surfaces along their geoms (`surfacevel`), of side 0 over side 1.
 Vector3 BeltVelocity(const mjModel* m, const mjData* d, const ContactRow& row, mjtNum tau) {
   Vector3 velocity[2];
@@ -193,8 +172,8 @@ size_t TangentBytes(const mjModel* m, const Mobility& mobility, int contacts, si
                     const DelassusSize& size) {
   const size_t n = contacts, ties = mobility.ties();
   const size_t rows = 2 * n * (sizeof(SlipRow) + sizeof(Vector3) + sizeof(RowSegment*));
-  // two rows of a Jacobian and two answers; impulse, moment, slip before and after; rest and μ
-  size_t numbers = 2 * 2 * dofs + 4 * 2 * n + 2 * n;
+  // two rows of a Jacobian and two answers; impulse, moment, slip before and after; μ
+  size_t numbers = 2 * 2 * dofs + 4 * 2 * n + n;
   size_t matrix = 0;
   if (IsByBody(size)) {
     // what is tied has its rows side by side
@@ -213,13 +192,9 @@ Tangents* BuildTangents(const mjModel* m, const mjData* d, const Mobility& mobil
                         const mjtNum* velocity, Scratch& scratch) {
   const int n = system.size;
   const law::DelassusMatrix& W = system.delassus;
-  auto* tangents = new (scratch.Take<Tangents>(1)) Tangents{scratch.Take<SlipRow>(2 * n),
-                                                            scratch.Take<Vector3>(2 * n),
-                                                            scratch.Zeros(2 * n),
-                                                            scratch.Zeros(2 * n),
-                                                            scratch.Zeros(2 * n),
-                                                            {},
-                                                            nullptr};
+  auto* tangents = new (scratch.Take<Tangents>(1))
+      Tangents{scratch.Take<SlipRow>(2 * n), scratch.Take<Vector3>(2 * n), scratch.Zeros(2 * n),
+               scratch.Zeros(2 * n),         scratch.Zeros(2 * n),         {}};
   mjtNum *mu = scratch.Take<mjtNum>(n), *slip = scratch.Take<mjtNum>(2 * n);
   for (int k = 0; k < n; ++k) {
     const ContactRow& row = system.row[k];
@@ -236,7 +211,6 @@ Tangents* BuildTangents(const mjModel* m, const mjData* d, const Mobility& mobil
           SegmentsTimes(m, along.segment, velocity) - Dot(row.driven + belt, tangents->axis[i]);
     }
   }
-  tangents->rest = RestSpeeds(m, d, system, tau, velocity, scratch);
   law::CoulombFriction& friction = tangents->friction;
   friction = {mu, slip, nullptr, nullptr, nullptr};
   if (W.by_body) {

@@ -54,7 +54,6 @@ struct Tangents {
   mjtNum* moment;   // (2 size) [N s²]
   mjtNum* after;    // (2 size) slip after the impact [m/s]
   law::CoulombFriction friction;
-  mjtNum* rest;  // (size) speeds that are left to rest [m/s]
 };
 
 // Bytes of scratch for them: `dofs` is the sum of those of the trees of all contacts, `size` that
