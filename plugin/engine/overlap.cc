@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/contact_stiffness.h"
+#include "law/coulomb.h"
 #include "law/hertz_contact.h"
 #include "law/waveform.h"
 
@@ -52,11 +53,25 @@ mjtNum TwiceIntegrated(const IslandProblem& problem, int k, mjtNum t, mjtNum res
          (x * law::WaveformCumulative(x, restitution) - law::WaveformMoment(x, restitution));
 }
 
+// What friction adds to the normal displacements or speeds W x of normal impulses x: each contact
+// has its tangential one in the same ratio.
+void AddFrictionOf(const IslandSystem& system, const IslandProblem& problem, const mjtNum* x,
+                   mjtNum* normal) {
+  if (!problem.tangents) return;
+  mjtNum* along = problem.work.numbers + 2 * problem.size;
+  for (int i = 0; i < 2 * problem.size; ++i) {
+    const mjtNum P = problem.impulse[i / 2];
+    along[i] = P > 0 ? problem.tangents->impulse[i] / P * x[i / 2] : 0;
+  }
+  law::AddTangential(system.delassus, problem.tangents->friction, along, normal);
+}
+
 // λ at time t, `integral` ∫∫ F_k by then.
 mjtNum LessAt(const mjModel* m, const IslandSystem& system, const IslandProblem& problem, mjtNum t,
               const mjtNum* integral) {
   mjtNum* displacement = problem.work.numbers + problem.size;
   law::Multiply(system.delassus, integral, displacement);
+  AddFrictionOf(system, problem, integral, displacement);
   mjtNum less = 1;
   for (int k = 0; k < problem.size; ++k) {
     if (problem.impulse[k] <= 0) continue;
@@ -150,8 +165,11 @@ void PressOutDents(const IslandSystem& system, IslandProblem& problem, mjtNum t)
   mjtNum* free = problem.work.numbers;  // overlap if the impulses came at once
   mjtNum* taken = free + problem.size;
   law::Multiply(W, problem.impulse, free);
+  AddFrictionOf(system, problem, problem.impulse, free);
+  std::fill_n(taken, problem.size, 0);
+  AddFrictionOf(system, problem, problem.moment, taken);
   for (int k = 0; k < problem.size; ++k) {
-    free[k] = problem.closing_speed[k] * t - problem.gap[k] - t * free[k];
+    free[k] = problem.closing_speed[k] * t - problem.gap[k] - t * free[k] + taken[k];
     taken[k] = 0;
   }
   // y = c t − g − W (P t − M), by projected Gauss-Seidel sweeps; by bodies, W M = J z
@@ -170,7 +188,13 @@ void PressOutDents(const IslandSystem& system, IslandProblem& problem, mjtNum t)
       if (problem.impulse[k] <= 0) continue;
       const mjtNum room = RoomWithin(system.row[k], DepthOf(system.row[k]));
       const mjtNum excess = free[k] + moved(k) - room;
-      const mjtNum change = std::max(excess / W.diagonal[k], -taken[k]);
+      mjtNum change = std::max(excess / W.diagonal[k], -taken[k]);
+      if (problem.tangents) {
+        // what friction makes of a push is not known to be of the same sign: none comes before its
+        // contact closes
+        const mjtNum most = problem.moment[k] - problem.onset[k] * problem.impulse[k];
+        change = std::min(change, std::max<mjtNum>(0, most));
+      }
       problem.moment[k] -= change;
       if (z) law::AddAnswer(*W.by_body, k, -change, z);
       taken[k] += change;

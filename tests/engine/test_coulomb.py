@@ -267,3 +267,27 @@ def test_a_ball_in_a_groove_gains_no_energy(mu, e):
         moving = 0.5 * (data.qvel[:3] @ data.qvel[:3] + spin)
         highest = max(highest, 9.81 * data.qpos[2] + moving)
     assert highest < 1.001 * 9.81 * 0.3
+
+
+def test_a_light_tip_that_friction_all_but_wedges_gains_no_energy():
+    """Its overlap after the impact is what friction leaves, too.
+
+    Without that its pulse was moved to 8 ms before the step, and the tip left with
+    380 rad/s instead of 14.
+    """
+    xml = """
+    <mujoco><option timestep=".0005" integrator="RK4"/>
+      <default><geom friction="5 .005 .0001"/></default>
+      <worldbody><geom type="plane" size="5 5 .1"/>
+        <body pos="0 0 .15"><joint type="slide" axis="0 0 1"/>
+          <joint type="slide" axis="0 1 0"/><geom size=".02" mass="1"/>
+          <body pos="0 0 -.05"><joint axis="1 0 0" stiffness="1"/>
+            <geom type="capsule" fromto="0 0 0 0 0 -.03" size=".01"/></body>
+        </body>
+      </worldbody></mujoco>"""
+    model = mujoco_impact.attach(xml, restitution=0.5).compile()
+    data = mujoco.MjData(model)
+    data.qpos[:] = [-0.060301135316819986, 0.009573731293295688, -0.14375372211852505]
+    data.qvel[:] = [0.06219289660486134, 0.09462194186593806, 26.125220778747753]
+    mujoco.mj_step(model, data)
+    assert 5 < data.qvel[2] < 20
