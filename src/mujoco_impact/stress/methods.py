@@ -75,6 +75,8 @@ def _ours(
         "restitution": case.restitution,
         "dissipation": case.dissipation,
         "young": case.young,
+        # these scenes judge the normal impulses; those of shapes have friction
+        "friction": "none",
     }
     if case.duration is not None:
         settings["duration"] = case.duration
