@@ -196,6 +196,9 @@ void CheckCombination(Reader& reader, const Config& config, int owned) {
     if (!reader.IsSet(kHeight)) {
       reader.Refuse(kHeight, kHeightRule.allowed, " (law 'calibrated' needs it)");
     }
+    if (reader.IsSet(kFriction) && config.friction == Friction::kCoulomb) {
+      reader.Refuse(kFriction, "'none' or 'paper'", " with law = 'calibrated'");
+    }
     return;
   }
   for (const char* name : {kAlpha, kHeight, kShape}) {

@@ -77,6 +77,7 @@ def compile_with(config, option="", third=("geom", "c")):
         (CALIBRATED | {"w0": "0"}, "w0", "> 0 [s]"),
         (CALIBRATED | {"kappa": "-1"}, "kappa", ">= 0"),
         (CALIBRATED | {"e": "2"}, "e", "[0, 1]"),
+        (CALIBRATED | {"friction": "coulomb"}, "friction", "with law = 'calibrated'"),
         ({"friction": "rolling"}, "friction", "'coulomb', 'none' or 'paper'"),
         ({"friction": "paper", "mu_d": "0.1"}, "mu_s", "needs it"),
         ({"friction": "paper", "mu_s": "0.1"}, "mu_d", "needs it"),
