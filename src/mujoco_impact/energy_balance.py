@@ -128,6 +128,8 @@ class EnergyBalance:
         self._judged = model.nflex == 0 and model.nplugin == len(ours)
         # moving surfaces push, and constraints that start violated have energy to give
         self._pushed = bool(model.flg_surfacevel)
+        # what they give in impacts, by friction, is in no force that is logged
+        self._judged = self._judged and not (self._pushed and ours)
         self._mocap = ("mocap_pos", "mocap_quat") if model.nmocap else ()
         self._poses = {name: getattr(data, name).copy() for name in self._mocap}
         self._first = True

@@ -33,5 +33,5 @@ def test_a_dog_of_many_geoms_keeps_to_the_budget(restitution, options):
         worst, contacts = max(worst, work), max(contacts, data.ncon)
     assert contacts > 100
     # the last round of a step is ended, not left out
-    assert 0.02 < worst < 1.5
+    assert 0.02 < worst < 2.0
     assert np.all(np.isfinite(data.qpos))
