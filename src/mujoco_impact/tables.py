@@ -1,6 +1,6 @@
-"""Tables for the terminal (needs rich).
+"""Tables for the terminal (needs rich), and as markdown.
 
-Print them on a console without markup: headings hold units in brackets.
+Print the former on a console without markup: headings hold units in brackets.
 """
 
 from __future__ import annotations
@@ -175,6 +175,12 @@ def check_table(checks: Iterable[Check]) -> Table:
         if check.remedy:
             table.add_row("", "remedy", check.remedy)
     return table
+
+
+def markdown_table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Returns a table in markdown."""
+    lines = [heading, ["---"] * len(heading), *rows]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
 def energy_line(trajectory: Trajectory) -> str:

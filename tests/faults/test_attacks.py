@@ -365,19 +365,10 @@ def test_numbers_that_attack_are_refused(case):
     assert files() == []
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ("shots", "AAA", "--seed", "-1"),
-        ("stress", "--seed", "-1"),
-        ("stress", "--cases", "0"),
-        ("stress", "--processes", "0"),
-    ],
-)
-def test_numbers_out_of_range_name_their_option(arguments):
-    result = command(*arguments)
+def test_numbers_out_of_range_name_their_option():
+    result = command("shots", "AAA", "--seed", "-1")
     assert result.exit_code == 2
-    assert arguments[-2] in result.stderr
+    assert "--seed" in result.stderr
 
 
 def test_rollouts_larger_than_memory_are_refused():
