@@ -17,9 +17,9 @@ import mujoco
 import numpy as np
 
 from mujoco_impact import envs
-from mujoco_impact.envs.extras import require
-from mujoco_impact.envs.task import CONTROL_TIMESTEP
+from mujoco_impact.envs.tasks import CONTROL_TIMESTEP
 from mujoco_impact.errors import ImpactWarning
+from mujoco_impact.extras import require
 from mujoco_impact.trajectory import Array
 
 BLOCK = 25

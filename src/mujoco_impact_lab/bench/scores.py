@@ -6,9 +6,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from mujoco_impact.envs.extras import require
-from mujoco_impact.envs.registration import environment_id
+from mujoco_impact.envs import environment_id
 from mujoco_impact.envs.tasks import TASKS
+from mujoco_impact.extras import require
 from mujoco_impact.trajectory import Array
 from mujoco_impact_lab.bench.policies import POLICIES
 
