@@ -21,7 +21,6 @@ from mujoco_impact.errors import (
     SimulationError,
 )
 from mujoco_impact.limits import check_recording, steps_of
-from mujoco_impact.mocap_bodies import mocap_bodies, potential
 from mujoco_impact.pulses import PulseReader
 from mujoco_impact.remarks import QUIET
 from mujoco_impact.source import Source, read_spec
@@ -35,6 +34,7 @@ from mujoco_impact.starts import (
 )
 from mujoco_impact.trajectory import Array, Trajectory
 from mujoco_impact.verdict import RunWatch
+from mujoco_impact.verdict.mocap_bodies import mocap_bodies, potential
 
 Model: TypeAlias = mujoco.MjModel | Source
 """A compiled model, or anything that can be compiled to one."""

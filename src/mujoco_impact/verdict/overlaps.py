@@ -5,9 +5,9 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from mujoco_impact.encounters import Numbers, half_widths
 from mujoco_impact.pulses import geom_name
 from mujoco_impact.remarks import PASSING, Remark
+from mujoco_impact.verdict.encounters import Numbers, half_widths
 
 THROUGH = 0.75
 """Overlap over the sum of half-widths from which bodies count as passing: `attach`

@@ -9,9 +9,9 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from mujoco_impact.encounters import Numbers
-from mujoco_impact.step_log import StepLog
 from mujoco_impact.trajectory import Array
+from mujoco_impact.verdict.encounters import Numbers
+from mujoco_impact.verdict.step_log import StepLog
 
 MOST_TURN = 1.0
 """Turn in one step from which on a body was put there and did not move [rad]."""

@@ -13,13 +13,13 @@ import math
 import mujoco
 import numpy as np
 
-from mujoco_impact.encounters import Numbers, meetings, sights
-from mujoco_impact.mocap_bodies import MocapMotion
 from mujoco_impact.ownership import gap_for_speed
 from mujoco_impact.pulses import geom_name
 from mujoco_impact.remarks import FAST, Remark
-from mujoco_impact.step_log import StepLog
 from mujoco_impact.trajectory import Array
+from mujoco_impact.verdict.encounters import Numbers, meetings, sights
+from mujoco_impact.verdict.mocap_bodies import MocapMotion
+from mujoco_impact.verdict.step_log import StepLog
 
 MOST_PAIRS = 16
 """Pairs looked at closely in one step, nearest first."""

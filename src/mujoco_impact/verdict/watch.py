@@ -7,15 +7,15 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from mujoco_impact.encounters import Flags, meetings, owned_numbers
-from mujoco_impact.energy_balance import EnergyBalance
-from mujoco_impact.fast_bodies import FastBodies
 from mujoco_impact.impact import Impact
-from mujoco_impact.overlaps import Overlaps
 from mujoco_impact.pulses import plugin_instances
 from mujoco_impact.remarks import NATIVE, NO_IMPACT, Remark
-from mujoco_impact.step_log import StepLog
 from mujoco_impact.trajectory import Array
+from mujoco_impact.verdict.encounters import Flags, meetings, owned_numbers
+from mujoco_impact.verdict.energy_balance import EnergyBalance
+from mujoco_impact.verdict.fast_bodies import FastBodies
+from mujoco_impact.verdict.overlaps import Overlaps
+from mujoco_impact.verdict.step_log import StepLog
 
 NOTHING = (
     "no impact: none of the geoms that the plugin owns touched anything; run longer, "

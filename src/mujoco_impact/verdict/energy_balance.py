@@ -21,12 +21,12 @@ import dataclasses
 import mujoco
 import numpy as np
 
-from mujoco_impact.encounters import Flags
-from mujoco_impact.free_flight import FreeRotation
 from mujoco_impact.pulses import plugin_instances
 from mujoco_impact.remarks import ENERGY, Remark
-from mujoco_impact.step_log import StepLog
 from mujoco_impact.trajectory import Array
+from mujoco_impact.verdict.encounters import Flags
+from mujoco_impact.verdict.free_flight import FreeRotation
+from mujoco_impact.verdict.step_log import StepLog
 
 GROWTH = 1e-2
 """Growth that is a problem, over the largest kinetic energy and all work done."""
