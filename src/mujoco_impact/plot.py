@@ -15,7 +15,7 @@ from mujoco_impact.comparison import OURS, Comparison, MethodResult
 from mujoco_impact.extras import require_matplotlib
 from mujoco_impact.files import replacing
 from mujoco_impact.pendulums import PendulumRow
-from mujoco_impact.printable import printable
+from mujoco_impact.text import printable
 from mujoco_impact.trajectory import Array
 
 if TYPE_CHECKING:

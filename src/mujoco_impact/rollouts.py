@@ -19,7 +19,7 @@ from mujoco.rollout import Rollout
 
 from mujoco_impact import _plugin
 from mujoco_impact.errors import ImpactWarning, SceneError, SimulationError
-from mujoco_impact.limits import check_recording
+from mujoco_impact.recordings import check_recording
 from mujoco_impact.runner import (
     Model,
     collected_warnings,

@@ -20,8 +20,8 @@ from mujoco_impact.errors import (
     SceneError,
     SimulationError,
 )
-from mujoco_impact.limits import check_recording, steps_of
 from mujoco_impact.pulses import PulseReader
+from mujoco_impact.recordings import check_recording, steps_of
 from mujoco_impact.remarks import QUIET
 from mujoco_impact.source import Source, read_spec
 from mujoco_impact.specifications import compile_spec

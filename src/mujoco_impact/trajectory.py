@@ -16,7 +16,6 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from mujoco_impact.archive import AnyArray, read_arrays
 from mujoco_impact.errors import MissingExtraError, TrajectoryError
 from mujoco_impact.files import replacing
 from mujoco_impact.impact import (
@@ -27,6 +26,7 @@ from mujoco_impact.impact import (
     impacts_table,
     numbers_of,
 )
+from mujoco_impact.recordings import AnyArray, read_arrays
 from mujoco_impact.remarks import NATIVE, NO_IMPACT, Remark
 
 Array: TypeAlias = npt.NDArray[np.float64]

@@ -258,7 +258,7 @@ def test_a_trajectory_with_an_array_twice_is_refused(motion):
 
 def test_a_trajectory_larger_than_any_run_is_refused(motion, monkeypatch):
     """Zeros take a thousandth of their size in a compressed file."""
-    monkeypatch.setattr("mujoco_impact.archive.LARGEST_RECORDING", 10_000)
+    monkeypatch.setattr("mujoco_impact.recordings.LARGEST_RECORDING", 10_000)
     path = with_array(motion, "qpos", array_file(np.zeros((101, 1000))))
     with pytest.raises(TrajectoryError, match=r"its arrays have 8\.\d+e\+05 bytes"):
         Trajectory.load(path)

@@ -11,12 +11,12 @@ import mujoco
 from mujoco_impact.calibration.parameters import read_parameters
 from mujoco_impact.cli.options import STANDARD_INPUT
 from mujoco_impact.errors import ConfigError
-from mujoco_impact.hints import closest
 from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.scene import attach, detach
 from mujoco_impact.settings import attributes
 from mujoco_impact.source import read_spec
 from mujoco_impact.starts import Keyframe, settled
+from mujoco_impact.text import closest
 
 
 def read_scene(

@@ -15,7 +15,7 @@ from mujoco_impact.paper.readings import (
     second_contact,
 )
 from mujoco_impact.paper.results import CONSERVED, LAWS, PaperResults, PatternResult
-from mujoco_impact.tables import markdown_table
+from mujoco_impact.text import markdown_table
 
 NOTHING = "-"
 

@@ -9,7 +9,7 @@ from html import escape
 from rich.table import Table
 from rich.text import Text
 
-from mujoco_impact.printable import printable
+from mujoco_impact.text import printable
 
 
 def html_table(

@@ -18,7 +18,7 @@ from mujoco_impact.starts import Keyframe, settled
 from mujoco_impact.stress.differences import Outcome, differences
 from mujoco_impact.stress.variations import Variation, variations, varied
 from mujoco_impact.stress.watched_run import WatchedRun, problems_of
-from mujoco_impact.tables import markdown_table
+from mujoco_impact.text import markdown_table
 
 HEADING = (
     "run",

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from mujoco_impact.tables import markdown_table
+from mujoco_impact.text import markdown_table
 from mujoco_impact_lab.bench.environment_steps import StepCost, step_costs
 from mujoco_impact_lab.bench.machine import machine, versions
 from mujoco_impact_lab.bench.rollout_throughput import Throughput, throughput

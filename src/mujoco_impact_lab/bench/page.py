@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from mujoco_impact.tables import markdown_table
+from mujoco_impact.text import markdown_table
 from mujoco_impact_lab.bench.points import Point
 from mujoco_impact_lab.bench.results import ResultsError, points_from_csv
 from mujoco_impact_lab.bench.scenes import SCENES

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from rich.table import Table
 
-from mujoco_impact.tables import NOTHING
+from mujoco_impact.cli.tables import NOTHING
 from mujoco_impact_lab.bench.mujoco_methods import OURS
 from mujoco_impact_lab.bench.points import front_of, setting_of
 from mujoco_impact_lab.bench.results import Results

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import mujoco
 
-from mujoco_impact.tables import markdown_table
+from mujoco_impact.text import markdown_table
 from mujoco_impact_lab.stress.family import Family
 from mujoco_impact_lab.stress.long_runs import DAMPING, RESTITUTION, LongRun
 from mujoco_impact_lab.stress.methods import OURS

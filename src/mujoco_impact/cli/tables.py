@@ -1,6 +1,6 @@
-"""Tables for the terminal (needs rich), and as markdown.
+"""Tables for the terminal (needs rich).
 
-Print the former on a console without markup: headings hold units in brackets.
+Print them on a console without markup: headings hold units in brackets.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import numpy as np
 from rich.table import Table
 from rich.text import Text
 
+from mujoco_impact.calibration import Calibration, Identifiability
 from mujoco_impact.comparison import OURS, Comparison
 from mujoco_impact.doctor import Check
 from mujoco_impact.impact_list import Meeting
@@ -177,12 +178,6 @@ def check_table(checks: Iterable[Check]) -> Table:
     return table
 
 
-def markdown_table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Returns a table in markdown."""
-    lines = [heading, ["---"] * len(heading), *rows]
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
-
-
 def energy_line(trajectory: Trajectory) -> str:
     """Returns the energies at the start and at the end of a run in words."""
     total = trajectory.total_energy
@@ -239,3 +234,34 @@ _CELLS: dict[str, Callable[[dict[str, Any]], str]] = {
 def _signed(values: Iterable[float]) -> list[str]:
     """Returns velocities with four decimals and no negative zeros."""
     return [f"{value + 0.0 if abs(value) > 5e-5 else 0.0:.4f}" for value in values]
+
+
+def parameter_table(found: Calibration) -> Table:
+    """Returns the parameters, with the values that would fit as well."""
+    table = Table(title="parameters", box=None)
+    table.add_column("name")
+    table.add_column("value", justify="right")
+    if found.identifiability is None:
+        for name, value in found.settings.items():
+            table.add_row(name, str(value))
+        return table
+    table.add_column("as good", justify="right")
+    table.add_column("")
+    for one in found.identifiability.ranges:
+        table.add_row(
+            one.name, f"{one.value:.6g}", f"{one.low:.4g} to {one.high:.4g}", one.note
+        )
+    return table
+
+
+def combination_table(found: Identifiability) -> Table:
+    """Returns what the shots determine, with its intervals."""
+    table = Table(title="what the shots determine", box=None)
+    table.add_column("combination")
+    for heading in ("value", "interval of 95 %", "unit"):
+        table.add_column(heading, justify="right" if heading != "unit" else "left")
+    for one in found.combinations:
+        table.add_row(
+            one.name, f"{one.value:.5g}", f"{one.low:.5g} to {one.high:.5g}", one.unit
+        )
+    return table

@@ -1,4 +1,4 @@
-"""Reading the arrays of an .npz file, within bounds.
+"""What is kept of a run: how long it may be, and reading its arrays from a file.
 
 The header of an array may claim any shape, and NumPy asks for that memory before it
 reads the numbers.
@@ -14,7 +14,42 @@ from typing import IO, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from mujoco_impact.limits import LARGEST_RECORDING
+LARGEST_RECORDING = 4_000_000_000
+"""Most bytes that a run keeps, or that are read of a trajectory file."""
+
+MOST_STEPS = 2**53
+"""Most steps of a run: a double counts no further."""
+
+
+def steps_of(duration: float, timestep: float) -> int:
+    """Returns the number of steps that make up a duration, at least 1.
+
+    Args:
+        duration: Simulated time [s].
+        timestep: Of the model [s].
+
+    Raises:
+        ValueError: If the duration is not a positive time, or too long.
+    """
+    if not (math.isfinite(duration) and duration > 0):
+        msg = f"duration = {duration}: must be a time > 0 [s]"
+        raise ValueError(msg)
+    if duration / timestep > MOST_STEPS:
+        msg = f"duration = {duration}: more than 2^53 steps of {timestep:g} s"
+        raise ValueError(msg)
+    return max(1, round(duration / timestep))
+
+
+def check_recording(samples: int, numbers: int) -> None:
+    """Raises ValueError if samples of so many numbers each are more than is kept."""
+    size = 8 * samples * numbers
+    if size > LARGEST_RECORDING:
+        msg = (
+            f"{samples:.3g} samples of {numbers} numbers take {size:.3g} bytes, "
+            f"allowed: {LARGEST_RECORDING:.3g}; run shorter, or keep fewer samples"
+        )
+        raise ValueError(msg)
+
 
 AnyArray: TypeAlias = npt.NDArray[Any]
 
