@@ -102,7 +102,7 @@ class Trajectory:
 
     def _repr_html_(self) -> str:
         """Returns what a notebook shows."""
-        from mujoco_impact.html_reprs import trajectory_html
+        from mujoco_impact.report.notebook import trajectory_html
 
         return trajectory_html(self)
 
@@ -160,7 +160,7 @@ class Trajectory:
         Raises:
             MissingExtraError: If matplotlib is not installed.
         """
-        from mujoco_impact.plot_trajectory import plot_trajectory
+        from mujoco_impact.plot.trajectory import plot_trajectory
 
         return plot_trajectory(self, path)
 

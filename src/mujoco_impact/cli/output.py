@@ -21,6 +21,15 @@ from mujoco_impact.files import check_writable, write_text
 from mujoco_impact.remarks import ENERGY, Remark
 from mujoco_impact.text import printable
 
+UNSOUND = 1
+"""Exit code when a run cannot be trusted, or a scene is not sound as it is."""
+
+USER_ERROR = 2
+"""Exit code when the input or the installation is to blame."""
+
+INTERRUPTED = 130
+"""Exit code when a command was interrupted by hand: 128 + SIGINT."""
+
 
 class PlainConsole(Console):
     """A console that shows what would command the terminal as escape sequences."""
@@ -32,16 +41,6 @@ class PlainConsole(Console):
     def out(self, *objects: Any, **options: Any) -> None:
         """Prints text without styles."""
         super().out(*(printable(str(one)) for one in objects), **options)
-
-
-UNSOUND = 1
-"""Exit code when a run cannot be trusted."""
-
-USER_ERROR = 2
-"""Exit code when the input or the installation is to blame."""
-
-INTERRUPTED = 130
-"""Exit code when a command was interrupted by hand: 128 + SIGINT."""
 
 
 @contextlib.contextmanager

@@ -16,6 +16,7 @@ from mujoco_impact.cli.options import (
     complete_model,
 )
 from mujoco_impact.cli.output import (
+    UNSOUND,
     check_outputs,
     clean_errors,
     console_of,
@@ -32,9 +33,6 @@ from mujoco_impact.cli.scenes import parsed_settings, read_scene, start_keyframe
 from mujoco_impact.errors import ConfigError
 from mujoco_impact.files import write_text
 from mujoco_impact.starts import start_told
-
-UNSOUND = 1
-"""Exit code when a scene is not sound as it is."""
 
 
 def stress(

@@ -9,10 +9,10 @@ import numpy as np
 
 from mujoco_impact.comparing.survey import HALF_STEP_INTEGRATORS
 from mujoco_impact.errors import SimulationError
+from mujoco_impact.recorder import integrator_name
 from mujoco_impact.runner import (
     collected_warnings,
     initial_data,
-    integrator_name,
     load_model,
     step_count,
 )

@@ -9,9 +9,9 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mujoco_impact.energies import find_energies
 from mujoco_impact.impact import Impact
 from mujoco_impact.pulses import PulseReader, plugin_instances
+from mujoco_impact.recorder import find_energies
 from mujoco_impact.runner import collected_warnings
 from mujoco_impact.trajectory import Array
 

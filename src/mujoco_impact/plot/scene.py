@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mujoco_impact import plot
 from mujoco_impact.comparison import AS_IS, OURS, Comparison, MethodResult
+from mujoco_impact.plot import panels
 from mujoco_impact.trajectory import Array
 
 if TYPE_CHECKING:
@@ -46,11 +46,11 @@ def scene_figure(comparison: Comparison) -> Figure:
         axis.axis("off")
     grid[0][0].legend(paths, names, fontsize=8, loc="best", framealpha=0.6)
     _draw_velocities(comparison, shown, grid[1][0])
-    plot.draw_energies(comparison, grid[1][1])
-    plot.draw_costs(comparison, grid[1][2])
+    panels.draw_energies(comparison, grid[1][1])
+    panels.draw_costs(comparison, grid[1][2])
     handles, labels = grid[1][1].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=6, fontsize=9)
-    figure.suptitle(plot.title_of(comparison), fontsize=13)
+    figure.suptitle(panels.title_of(comparison), fontsize=13)
     return figure
 
 
@@ -81,7 +81,7 @@ def _bodies(comparison: Comparison) -> tuple[list[int], list[str]]:
         bodies += [body for body in others if body not in bodies]
     bodies = bodies[:MOST_PATHS]
     names = [comparison.model.body(body).name or f"body {body}" for body in bodies]
-    return bodies, [plot.literal(name) for name in names]
+    return bodies, [panels.literal(name) for name in names]
 
 
 def _plane(comparison: Comparison, bodies: Sequence[int]) -> tuple[int, ...]:
@@ -110,7 +110,7 @@ def _draw_paths(
     axis.set_title(method.name, fontsize=10, fontweight=weight)
     axis.grid(alpha=0.25)
     if method.trajectory is None or method.seen is None:
-        plot.say(axis, method.failure)
+        panels.say(axis, method.failure)
         return []
     lines: list[Any] = []
     time = method.trajectory.time
@@ -168,9 +168,9 @@ def _draw_velocities(
             axis.plot(time, speed, color=colour, linestyle=style, linewidth=1.4)
     axis.axvline(0.0, color="grey", linewidth=0.8)
     lines: list[Any] = [
-        axis.plot([], [], color=colour, label=plot.literal(comparison.bodies[number]))[
-            0
-        ]
+        axis.plot(
+            [], [], color=colour, label=panels.literal(comparison.bodies[number])
+        )[0]
         for number, colour in zip(numbers, colours, strict=False)
     ]
     lines += [
