@@ -2,14 +2,15 @@
 
 #include "engine/commit.h"
 
-#include "engine/deliver.h"
-#include "engine/flights.h"
-#include "engine/gather.h"
-#include "engine/motion.h"
-#include "engine/runge_kutta.h"
-#include "engine/scratch.h"
-#include "engine/slots.h"
-#include "engine/state.h"
+#include "engine/common/scratch.h"
+#include "engine/deliver/deliver.h"
+#include "engine/deliver/flights.h"
+#include "engine/foresee/gather.h"
+#include "engine/handover/runge_kutta.h"
+#include "engine/path/motion.h"
+#include "engine/record/record.h"
+#include "engine/record/slots.h"
+#include "engine/state/state.h"
 
 namespace mujoco_impact::engine {
 

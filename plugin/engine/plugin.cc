@@ -5,13 +5,13 @@
 #include <mujoco/mujoco.h>
 
 #include "engine/commit.h"
-#include "engine/config.h"
-#include "engine/meeting.h"
-#include "engine/ownership.h"
-#include "engine/sensor.h"
-#include "engine/state.h"
+#include "engine/record/sensor.h"
+#include "engine/record/visualize.h"
+#include "engine/scene/config.h"
+#include "engine/scene/meeting.h"
+#include "engine/scene/ownership.h"
+#include "engine/state/state.h"
 #include "engine/step.h"
-#include "engine/visualize.h"
 
 namespace mujoco_impact::engine {
 

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/config.h"
 #include "engine/plugin.h"
+#include "engine/scene/config.h"
 
 namespace engine = mujoco_impact::engine;
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
-#include "engine/contact_stiffness.h"
+#include "engine/scene/contact_stiffness.h"
 
 #include <gtest/gtest.h>
 
-#include "engine/vector3.h"
+#include "engine/common/vector3.h"
 #include "tests/engine/scene.h"
 
 namespace mujoco_impact::engine {

@@ -7,13 +7,13 @@
 #include <limits>
 #include <string>
 
-#include "engine/budget.h"
-#include "engine/friction.h"
-#include "engine/gather.h"
-#include "engine/island_system.h"
-#include "engine/resolve.h"
-#include "engine/state.h"
-#include "engine/tangents.h"
+#include "engine/foresee/gather.h"
+#include "engine/island/island_system.h"
+#include "engine/island/tangents.h"
+#include "engine/resolve/budget.h"
+#include "engine/resolve/friction.h"
+#include "engine/resolve/resolve.h"
+#include "engine/state/state.h"
 #include "tests/engine/scene.h"
 
 namespace mujoco_impact::engine {

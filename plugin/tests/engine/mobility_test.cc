@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
-#include "engine/mobility.h"
+#include "engine/path/mobility.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "engine/motion.h"
+#include "engine/path/motion.h"
 #include "tests/engine/scene.h"
 
 namespace mujoco_impact::engine {

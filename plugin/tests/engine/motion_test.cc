@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-#include "engine/motion.h"
+#include "engine/path/motion.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
-#include "engine/point.h"
+#include "engine/path/point.h"
 
 #include <gtest/gtest.h>
 
-#include "engine/scratch.h"
+#include "engine/common/scratch.h"
 #include "tests/engine/scene.h"
 #include "tests/engine/trees.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-#include "engine/weight_gradient.h"
+#include "engine/path/weight_gradient.h"
 
 #include <gtest/gtest.h>
 

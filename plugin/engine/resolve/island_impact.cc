@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include <algorithm>
+#include <limits>
+
+#include "engine/island/tangents.h"
+#include "engine/path/inertia_there.h"
+#include "engine/record/slots.h"
+#include "engine/resolve/friction.h"
+#include "engine/resolve/reach.h"
+#include "engine/resolve/resolver.h"
+#include "engine/scene/tree_kinds.h"
+
+namespace mujoco_impact::engine {
+
+// Delivers the part of a new pulse that belongs to this step: all of it, by its moment, if the
+// impact comes at once.
+void Resolver::AddImpact(const ContactRow& row, const ImpactTime& time, const Impact& impact) {
+  const Pulse pulse = MakePulse(m_, d_, row, time.tau, impact, config_, state_);
+  const Share whole{impact.impulse, impact.moment, 1};
+  const Share share =
+      impact.at_once ? whole : ShareOfStep(pulse, state_.header().clock, m_->opt.timestep);
+  AddPending(m_, ownership_, state_, pulse, share.delivered_next);
+  AddShare(row, time, share);
+  struck_.Add(row, share.impulse, impact.impulse - share.impulse);
+}
+
+// To each tree in its own way: bodies that fly are changed there, what was found at another inertia
+// is a change of velocity, all else an impulse.
+void Resolver::AddShare(const ContactRow& row, const ImpactTime& time, const Share& share) {
+  Scratch scratch(d_);
+  for (const RowSegment& segment : row.segment) {
+    if (segment.tree < 0) continue;
+    const int begin = m_->tree_dofadr[segment.tree], dofs = m_->tree_dofnum[segment.tree];
+    const mjtNum second = SecondMoment(share, m_->opt.timestep);
+    if (flights_.Has(segment.tree)) {
+      mjtNum* kick = scratch.Take<mjtNum>(2 * dofs);
+      mju_scl(kick, segment.inverse_inertia, share.impulse, dofs);
+      mju_scl(kick + dofs, segment.inverse_inertia, share.moment, dofs);
+      const mjtNum seen = time.start + (there_ ? 0 : time.tau);
+      flights_.Add(d_, segment.tree, time.start, seen, path_velocity_, kick, kick + dofs);
+    } else if (there_) {
+      kicks_.any = true;
+      mju_addToScl(kicks_.velocity + begin, segment.inverse_inertia, share.impulse, dofs);
+      mju_addToScl(kicks_.moment + begin, segment.inverse_inertia, share.moment, dofs);
+      mju_addToScl(kicks_.second + begin, segment.inverse_inertia, second, dofs);
+    } else {
+      mju_addToScl(impacts_.impulse + begin, segment.jacobian, share.impulse, dofs);
+      mju_addToScl(impacts_.moment + begin, segment.jacobian, share.moment, dofs);
+      mju_addToScl(impacts_.second + begin, segment.jacobian, second, dofs);
+    }
+  }
+}
+
+ImpactTime Resolver::FirstClosing(const Outlook& outlook, const int* position, int count) const {
+  const mjtNum h = m_->opt.timestep;
+  ImpactTime time{
+      outlook.start, 0, h, flight_, h, std::numeric_limits<mjtNum>::infinity(), -1, h, 0};
+  for (int k = 0; k < count; ++k) {
+    const int i = position[k];
+    if (!contacts_.due[i]) continue;
+    if (time.first >= 0 && contacts_.tau[i] >= time.tau) continue;
+    time.tau = contacts_.tau[i];
+    time.first = k;
+  }
+  return time;
+}
+
+bool Resolver::AnyFlies(const IslandSystem& system) const {
+  return std::any_of(system.row, system.row + system.size, [this](const ContactRow& row) {
+    return std::any_of(row.segment, row.segment + 2, [this](const RowSegment& segment) {
+      return segment.tree >= 0 && flights_.Has(segment.tree);
+    });
+  });
+}
+
+bool Resolver::FitsIsland(const int* position, int count) {
+  Scratch scratch(d_);
+  const bool friction = HasFriction(config_, contacts_, position, count);
+  size_t bytes = IslandBytes(m_, mobility_, contacts_, position, count, friction, scratch);
+  if (config_.friction == Friction::kPaper) bytes += FrictionBytes(m_, bytes);
+  return scratch.Fits(bytes);
+}
+
+// Of the contacts that MuJoCo carries, by how much the free motion of the bodies up to a time lets
+// them close (size): what carries them does not let them fall, and a body that is struck while it
+// lies on a table must not bounce off it.
+const mjtNum* Resolver::FallOf(const IslandSystem& system, const int* position, mjtNum time,
+                               Scratch& scratch) const {
+  mjtNum* fall = scratch.Zeros(system.size);
+  // what pulses under way do to the bodies is no fall
+  if (start_.bend) return fall;
+  const mjtNum lead = PathLag(m_);
+  for (int k = 0; k < system.size; ++k) {
+    if (contacts_.due[position[k]] || !IsCarried(*system.row[k].contact)) continue;
+    const mjtNum pressing = -RowTimes(m_, system.row[k], start_.motion.acceleration);
+    fall[k] = std::max<mjtNum>(0, pressing * (lead + time));
+  }
+  return fall;
+}
+
+// The contacts of an island and their impacts. Of bodies that have been moved there for it, the
+// geometry is that of where they are; else that of when the first contact closes.
+IslandSystem Resolver::SolveIsland(const Outlook& outlook, ImpactTime time, const int* position,
+                                   int count, Impact* impacts, Scratch& scratch) {
+  const mjtNum seen = there_ ? 0 : time.tau;
+  time.seen = seen - time.tau;
+  IslandSystem system = BuildIsland(m_, d_, mobility_, contacts_, position, count, outlook.motion,
+                                    seen, time.tau, scratch);
+  const bool friction = HasFriction(config_, contacts_, position, count);
+  for (int k = 0; k < count; ++k) budget_.SpendRow(m_, system.row[k], friction ? 3 : 1);
+  // a tumbling body turns away from a pulse that lasts, whose line stays as it was
+  constexpr mjtNum kShortSteps = 4;
+  if (AnyFlies(system)) time.short_of = kShortSteps * m_->opt.timestep;
+  const mjtNum* velocity = SettledVelocity(m_, outlook, seen, scratch);
+  mjtNum* acceleration = scratch.Take<mjtNum>(m_->nv);
+  mju_addScl(acceleration, steady_, start_.motion.jerk, outlook.start + seen, m_->nv);
+  Tangents* tangents = nullptr;
+  if (friction) {
+    tangents = BuildTangents(m_, d_, mobility_, system, outlook.motion, seen, velocity, scratch);
+  }
+  const mjtNum* fall = FallOf(system, position, outlook.start + seen, scratch);
+  ResolveIsland(m_, config_, ownership_, system, time, velocity, fall, acceleration, tangents,
+                budget_, &stiffer_, impacts, scratch);
+  if (tangents) TurnRows(m_, *tangents, system, impacts);
+  if (config_.friction == Friction::kPaper) {
+    AddFriction(m_, d_, config_, outlook.motion, seen, velocity, system, impacts, scratch);
+  }
+  return system;
+}
+
+// False if no contact pushes.
+bool Resolver::ResolveIslandOf(const Outlook& outlook, ImpactTime time, const int* position,
+                               int count) {
+  if (!FitsIsland(position, count)) {
+    mju_warning(
+        "mujoco_impact.waveform: an impact of %d contacts needs more memory than mjData has left "
+        "and is skipped; raise <size memory=\"...\"/> in the model",
+        count);
+    return true;
+  }
+  Scratch scratch(d_);
+  Impact* impacts = scratch.Take<Impact>(count);
+  const IslandSystem system = SolveIsland(outlook, time, position, count, impacts, scratch);
+  const auto pushes = std::count_if(impacts, impacts + count,
+                                    [](const Impact& impact) { return impact.impulse > 0; });
+  if (pushes == 0) return false;
+  if (!HasRoom(state_, static_cast<int>(pushes))) ComeAtOnce(time, count, impacts);
+  AddImpacts(system, time, impacts, position);
+  return true;
+}
+
+// How long after its first contact closes the impulses of an island come on the average [s]; 0 if
+// they last on.
+mjtNum Resolver::CentreOf(const Outlook& outlook, const ImpactTime& time, const int* position,
+                          int count) {
+  if (!FitsIsland(position, count)) return 0;
+  Scratch scratch(d_);
+  const InertiaThere inertia(m_, d_, scratch);
+  Impact* impacts = scratch.Take<Impact>(count);
+  SolveIsland(outlook, time, position, count, impacts, scratch);
+  mjtNum impulse = 0, moment = 0;
+  for (int k = 0; k < count; ++k) {
+    if (impacts[k].impulse > 0 && !impacts[k].at_once) return 0;
+    impulse += impacts[k].impulse;
+    moment += impacts[k].moment;
+  }
+  return impulse > 0 ? moment / impulse - time.start - time.tau : 0;
+}
+
+bool Resolver::HasArms(const int* position, int count) const {
+  return std::any_of(position, position + count, [this](int i) {
+    const ContactTrees trees = TreesOf(m_, *contacts_.contact[i]);
+    return std::any_of(trees.tree, trees.tree + 2, [this](int tree) {
+      return tree >= 0 && flights_.Has(tree) && !flights_.IsRigid(tree);
+    });
+  });
+}
+
+// The inertia of arms turns with them while they are pushed, and an impulse that comes all at once
+// keeps their energy only where it comes: so they are moved on from where a contact closes to the
+// middle of its impact.
+void Resolver::GoToCentre(Outlook& outlook, const ImpactTime& time, const int* position,
+                          int count) {
+  if (!HasArms(position, count)) return;
+  const mjtNum start = outlook.start;
+  const mjtNum centre = start + time.tau + CentreOf(outlook, time, position, count);
+  outlook = bodies_.MoveTo(centre, impacts_, kicks_, struck_.owed());
+  struck_.BeginRound(outlook.motion);
+  for (int k = 0; k < contacts_.count; ++k) contacts_.tau[k] -= centre - start;
+}
+
+// Without free slots all of the island comes now, and no momentum is lost; all or none, for a light
+// body between two others is pushed by the difference.
+void Resolver::ComeAtOnce(const ImpactTime& time, int count, Impact* impacts) {
+  for (int k = 0; k < count; ++k) {
+    if (impacts[k].at_once) continue;
+    impacts[k].at_once = true;
+    impacts[k].moment = impacts[k].impulse * (time.start + time.tau);
+  }
+}
+
+void Resolver::AddImpacts(const IslandSystem& system, const ImpactTime& time, const Impact* impacts,
+                          const int* position) {
+  mjtNum end = time.start + time.tau;
+  for (int k = 0; k < system.size; ++k) {
+    const int i = position[k];
+    if (impacts[k].impulse > 0) {
+      AddImpact(system.row[k], time, impacts[k]);
+      end = std::max(end, impacts[k].onset + impacts[k].duration);
+    } else if (contacts_.due[i]) {
+      left_ = std::min(left_, time.start + contacts_.tau[i]);
+    }
+  }
+  round_end_ = std::min(round_end_, end);
+  for (int k = 0; k < system.size; ++k) {
+    if (impacts[k].impulse > 0) struck_.TakeUntil(system.row[k], end);
+  }
+}
+
+// Resolves as much of the island as the impact that begins in it can reach.
+bool Resolver::ResolvePartOf(const Outlook& outlook, ImpactTime time, const int* position,
+                             int count) {
+  if (last_ || !IsCrowded(m_, d_, contacts_, position, count)) {
+    return ResolveIslandOf(outlook, time, position, count);
+  }
+  Scratch scratch(d_);
+  const Islands part =
+      ReachedPart(m_, d_, mobility_, outlook, position, count, contacts_, time, scratch);
+  const int* end = part.position + part.start[1];
+  for (int k = 0; k < count; ++k) {
+    const int i = position[k];
+    if (!contacts_.due[i] || std::binary_search(part.position, end, i)) continue;
+    left_ = std::min(left_, time.start + contacts_.tau[i]);
+  }
+  time.first = FirstClosing(outlook, part.position, part.start[1]).first;
+  return ResolveIslandOf(outlook, time, part.position, part.start[1]);
+}
+
+// Resolves the island from the first contact on whose closing is an impact. What closes within the
+// flight of one that pushes nothing was part of the same problem.
+void Resolver::ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position,
+                              int count) {
+  while (time.first >= 0) {
+    if (ResolvePartOf(outlook, time, position, count)) {
+      std::fill_n(contacts_.idle, contacts_.count, false);
+      return;
+    }
+    for (int k = 0; k < count; ++k) {
+      const int i = position[k];
+      if (!contacts_.due[i] || contacts_.tau[i] > time.tau + time.flight) continue;
+      contacts_.idle[i] = true;
+      contacts_.due[i] = false;
+    }
+    if (budget_.IsSpent()) return;
+    time = FirstClosing(outlook, position, count);
+  }
+}
+
+}  // namespace mujoco_impact::engine

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "engine/scene/config.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#ifndef __cpp_lib_to_chars
+#include <locale.h>
+#include <stdlib.h>
+#ifdef __APPLE__
+#include <xlocale.h>
+#endif
+#endif
+
+#include "law/hertz_contact.h"
+#include "law/impact_law.h"
+#include "law/viscous.h"
+
+namespace mujoco_impact::engine {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+constexpr char kLaw[] = "law";
+constexpr char kRestitution[] = "restitution";
+constexpr char kDissipation[] = "dissipation";
+constexpr char kYoung[] = "young";
+constexpr char kPoisson[] = "poisson";
+constexpr char kDuration[] = "duration";
+constexpr char kTouch[] = "touch";
+constexpr char kTolerance[] = "tolerance";
+constexpr char kPassive[] = "passive";
+constexpr char kAlpha[] = "alpha";
+constexpr char kHeight[] = "sh";
+constexpr char kWidth[] = "sw";
+constexpr char kBaseWidth[] = "w0";
+constexpr char kUnitFactor[] = "kappa";
+constexpr char kShape[] = "e";
+constexpr char kFriction[] = "friction";
+constexpr char kStatic[] = "mu_s";
+constexpr char kDynamic[] = "mu_d";
+
+// A number with its default and the open or closed interval it must lie in.
+struct NumberRule {
+  const char* name;
+  double fallback;
+  double low, high;
+  bool low_allowed, high_allowed;
+  const char* allowed;
+};
+
+constexpr NumberRule kRestitutionRule{kRestitution, 1, 0, 1, true, true, "a number in [0, 1]"};
+constexpr NumberRule kYoungRule{
+    kYoung, 2e11, 0, kInfinity, false, false, "a finite number > 0 [Pa]"};
+constexpr NumberRule kPoissonRule{kPoisson, 0.3, -1, 0.5, false, true, "a number in (-1, 0.5]"};
+constexpr NumberRule kTouchRule{
+    kTouch, 1e-9, 0, kInfinity, true, false, "a finite number >= 0 [m]"};
+constexpr NumberRule kToleranceRule{
+    kTolerance, law::kDefaultTolerance,     law::kSmallestTolerance, law::kLargestTolerance, true,
+    true,       "a number in [1e-12, 1e-2]"};
+constexpr NumberRule kHeightRule{
+    kHeight, 0, 0, kInfinity, false, false, "a finite number > 0 [N s/(kg m)]"};
+constexpr NumberRule kWidthRule{kWidth, 0, 0, kInfinity, true, false, "a finite number >= 0"};
+constexpr NumberRule kBaseWidthRule{
+    kBaseWidth, 7.5e-3, 0, kInfinity, false, false, "a finite number > 0 [s]"};
+constexpr NumberRule kUnitFactorRule{kUnitFactor,           0.083, 0, kInfinity, true, false,
+                                     "a finite number >= 0"};
+constexpr NumberRule kShapeRule{kShape, 1, 0, 1, true, true, "a number in [0, 1]"};
+constexpr NumberRule kStaticRule{kStatic, 0, 0, kInfinity, true, false, "a finite number >= 0"};
+constexpr NumberRule kDynamicRule{kDynamic, 0, 0, kInfinity, true, false, "a finite number >= 0"};
+constexpr NumberRule kSecondsRule{
+    kDuration, 0, 0, kInfinity, false, false, "'hertz', 'paper' or a finite number > 0 [s]"};
+
+constexpr char kAlphaAllowed[] =
+    "one finite number >= 0 per neighbouring pair of owned geoms, separated by spaces";
+
+// Reads attributes one by one and remembers the first that is bad.
+class Reader {
+ public:
+  Reader(const mjModel* m, int instance, ConfigError* error)
+      : m_(m), instance_(instance), error_(error) {
+    if (error_) error_->message[0] = '\0';
+  }
+
+  const char* Text(const char* name) const {
+    const char* text = mj_getPluginConfig(m_, instance_, name);
+    return text ? text : "";
+  }
+
+  bool IsSet(const char* name) const { return Text(name)[0] != '\0'; }
+
+  void Refuse(const char* name, const char* allowed, const char* note = "") {
+    if (!error_ || error_->message[0]) return;
+    // of a long value the beginning, so that there is room for what is allowed
+    constexpr int kShown = 120;
+    const bool cut = std::strlen(Text(name)) > kShown;
+    std::snprintf(error_->message, sizeof(error_->message),
+                  "mujoco_impact.waveform: attribute '%s' = '%.*s%s' is refused%s; allowed: %s",
+                  name, kShown, Text(name), cut ? "..." : "", note, allowed);
+  }
+
+  double Number(const NumberRule& rule) {
+    if (!IsSet(rule.name)) return rule.fallback;
+    double value = 0.0;
+    const bool good = ReadList(Text(rule.name), &value, 1) == 1 &&
+                      (rule.low_allowed ? value >= rule.low : value > rule.low) &&
+                      (rule.high_allowed ? value <= rule.high : value < rule.high);
+    if (good) return value;
+    Refuse(rule.name, rule.allowed);
+    return rule.fallback;
+  }
+
+  // Index of the word among `words`; the first is the default.
+  template <int number>
+  int Word(const char* name, const char* const (&words)[number], const char* allowed) {
+    if (!IsSet(name)) return 0;
+    for (int i = 0; i < number; ++i) {
+      if (std::strcmp(Text(name), words[i]) == 0) return i;
+    }
+    Refuse(name, allowed);
+    return 0;
+  }
+
+ private:
+  const mjModel* m_;
+  int instance_;
+  ConfigError* error_;
+};
+
+void ReadDuration(Reader& reader, Config& config) {
+  const char* text = reader.Text(kDuration);
+  // equation (6) gives the calibrated law its own duration
+  const DurationRule fallback =
+      config.law == Law::kCalibrated ? DurationRule::kPaper : DurationRule::kHertz;
+  config.duration = 0;
+  if (text[0] == '\0') {
+    config.duration_rule = fallback;
+  } else if (std::strcmp(text, "hertz") == 0) {
+    config.duration_rule = DurationRule::kHertz;
+  } else if (std::strcmp(text, "paper") == 0) {
+    config.duration_rule = DurationRule::kPaper;
+  } else {
+    config.duration_rule = DurationRule::kFixed;
+    config.duration = reader.Number(kSecondsRule);
+  }
+}
+
+// The factors are looked up only if they count, or are to be checked: most scenes have no friction.
+void ReadFriction(Reader& reader, Config& config, bool check) {
+  config.friction = static_cast<Friction>(
+      reader.Word(kFriction, {"coulomb", "none", "paper"}, "'coulomb', 'none' or 'paper'"));
+  config.paper_friction = {0, 0};
+  if (config.friction != Friction::kPaper && !check) return;
+  config.paper_friction = {reader.Number(kStaticRule), reader.Number(kDynamicRule)};
+}
+
+void CheckAlpha(Reader& reader, const Config& config, int owned) {
+  const int count = ReadList(config.alpha, nullptr, 0);
+  char note[96] = "";
+  if (count >= 0 && count != owned - 1) {
+    std::snprintf(note, sizeof(note), " (%d given, %d needed for %d owned geoms)", count, owned - 1,
+                  owned);
+  }
+  if (count != owned - 1) {
+    reader.Refuse(kAlpha, kAlphaAllowed, note);
+    return;
+  }
+  std::vector<double> alpha(count);
+  ReadList(config.alpha, alpha.data(), count);
+  const bool good = std::all_of(alpha.begin(), alpha.end(), [](double a) { return a >= 0; });
+  if (!good) reader.Refuse(kAlpha, kAlphaAllowed);
+}
+
+void CheckFriction(Reader& reader, const Config& config) {
+  for (const NumberRule* rule : {&kStaticRule, &kDynamicRule}) {
+    const bool paper = config.friction == Friction::kPaper;
+    if (paper && !reader.IsSet(rule->name)) {
+      reader.Refuse(rule->name, rule->allowed, " (friction 'paper' needs it)");
+    } else if (!paper && reader.IsSet(rule->name)) {
+      reader.Refuse(rule->name, "only with friction = 'paper'");
+    }
+  }
+}
+
+void CheckCombination(Reader& reader, const Config& config, int owned) {
+  CheckFriction(reader, config);
+  if (config.law == Law::kCalibrated) {
+    CheckAlpha(reader, config, owned);
+    if (!reader.IsSet(kHeight)) {
+      reader.Refuse(kHeight, kHeightRule.allowed, " (law 'calibrated' needs it)");
+    }
+    if (reader.IsSet(kFriction) && config.friction == Friction::kCoulomb) {
+      reader.Refuse(kFriction, "'none' or 'paper'", " with law = 'calibrated'");
+    }
+    return;
+  }
+  for (const char* name : {kAlpha, kHeight, kShape}) {
+    if (reader.IsSet(name)) reader.Refuse(name, "only with law = 'calibrated'");
+  }
+  if (config.dissipation == law::Dissipation::kViscous &&
+      config.restitution < law::kViscousMinimum) {
+    reader.Refuse(kRestitution, "a number in [0.05, 1] with dissipation = 'viscous'");
+  }
+}
+
+// end of the number at the start of a text, null if there is none
+const char* ReadNumber(const char* text, const char* end, double* value) {
+#ifdef __cpp_lib_to_chars
+  const auto [next, status] = std::from_chars(text, end, *value);
+  return status == std::errc() ? next : nullptr;
+#else
+  // libc++ of before 2025 reads integers only; strtod takes signs and words that are none here
+  const size_t word = std::min<size_t>(std::strcspn(text, " \t\n"), end - text);
+  if (*text == '+' || std::strspn(text, "0123456789.eE+-") < word) return nullptr;
+  const locale_t plain = newlocale(LC_ALL_MASK, "C", nullptr);
+  char* next = nullptr;
+  *value = strtod_l(text, &next, plain);
+  freelocale(plain);
+  return next == text ? nullptr : next;
+#endif
+}
+
+}  // namespace
+
+const char* const kAttributes[] = {kLaw,      kRestitution, kDissipation, kYoung, kPoisson,
+                                   kDuration, kTouch,       kPassive,     kAlpha, kHeight,
+                                   kWidth,    kBaseWidth,   kUnitFactor,  kShape, kFriction,
+                                   kStatic,   kDynamic,     kTolerance};
+const int kAttributeCount = sizeof(kAttributes) / sizeof(kAttributes[0]);
+
+int ReadList(const char* text, double* values, int size) {
+  const char* const end = text + std::strlen(text);
+  int count = 0;
+  while (true) {
+    while (text < end && (*text == ' ' || *text == '\t' || *text == '\n')) ++text;
+    if (text == end) return count;
+    double value = 0.0;
+    const char* const next = ReadNumber(text, end, &value);
+    if (!next || !std::isfinite(value)) return -1;
+    const bool whole_word = next == end || *next == ' ' || *next == '\t' || *next == '\n';
+    if (!whole_word) return -1;
+    if (count < size) values[count] = value;
+    ++count;
+    text = next;
+  }
+}
+
+Config ReadConfig(const mjModel* m, int instance, int owned, ConfigError* error) {
+  Reader reader(m, instance, error);
+  Config config;
+  config.law =
+      static_cast<Law>(reader.Word(kLaw, {"hertz", "calibrated"}, "'hertz' or 'calibrated'"));
+  config.dissipation = static_cast<law::Dissipation>(
+      reader.Word(kDissipation, {"bistiffness", "viscous"}, "'bistiffness' or 'viscous'"));
+  config.passive = reader.Word(kPassive, {"true", "false"}, "'true' or 'false'") == 0;
+  config.restitution = reader.Number(kRestitutionRule);
+  config.effective_modulus =
+      law::EffectiveModulus(reader.Number(kYoungRule), reader.Number(kPoissonRule));
+  config.touch = reader.Number(kTouchRule);
+  config.tolerance = reader.Number(kToleranceRule);
+  config.calibrated.height_factor = reader.Number(kHeightRule);
+  config.calibrated.duration_factor = reader.Number(kWidthRule);
+  config.calibrated.base_duration = reader.Number(kBaseWidthRule);
+  config.calibrated.unit_factor = reader.Number(kUnitFactorRule);
+  const double shape = reader.Number(kShapeRule);
+  config.waveform_restitution = config.law == Law::kCalibrated ? shape : config.restitution;
+  ReadFriction(reader, config, error != nullptr);
+  config.alpha = reader.Text(kAlpha);
+  ReadDuration(reader, config);
+  if (error) CheckCombination(reader, config, owned);
+  return config;
+}
+
+}  // namespace mujoco_impact::engine

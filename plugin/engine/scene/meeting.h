@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Instances whose geoms can meet.
+//
+// A contact between geoms of two instances has one restitution, one stiffness and one law. Which of
+// the two instances it takes them from would depend on their order, so both must have the same.
+
+#ifndef MUJOCO_IMPACT_ENGINE_SCENE_MEETING_H_
+#define MUJOCO_IMPACT_ENGINE_SCENE_MEETING_H_
+
+#include <mujoco/mujoco.h>
+
+namespace mujoco_impact::engine {
+
+// Two geoms of different instances.
+struct Meeting {
+  int other;    // instance with other settings; −1: there is none
+  int geom[2];  // of this instance and of the other, which can meet
+};
+
+// The first instance with other settings than `instance` whose geoms can meet the geoms of it.
+Meeting FindConflict(const mjModel* m, int instance);
+
+}  // namespace mujoco_impact::engine
+
+#endif  // MUJOCO_IMPACT_ENGINE_SCENE_MEETING_H_
