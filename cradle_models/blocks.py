@@ -73,7 +73,7 @@ def dominoes(
         world += free_body(f"stone_{i}", place, stone)
     # about the lower front edge: v = omega x (centre - edge)
     pushed = [push * height / 2, 0.0, push * thickness / 2, 0.0, push, 0.0]
-    eye = numbers(0.0, -(1.3 * half + 4 * height), 0.6 * half + 2 * height)
+    eye = numbers(height, -(1.4 * half + 4 * height), 0.6 * half + 2 * height)
     return document(
         name,
         world=world,
