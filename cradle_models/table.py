@@ -36,6 +36,9 @@ RAIL = 0.1
 #: Thickness of the bed, and depth of the floor below it [m].
 BED, BELOW = 0.03, 0.12
 
+#: Height of the cloth above the floor of the room [m].
+HIGH = 0.8
+
 #: Half of the thickness of the walls [m].
 WALL = 0.015
 
@@ -179,7 +182,7 @@ def _rubs(radius: float, cloth: float, rolling: float) -> str:
 
 
 def _bed(half_x: float, half_y: float, rubs: str) -> list[str]:
-    """Return the bed, the floor below it and the walls around both.
+    """Return the floor of the room, the bed, what is below it, and walls around both.
 
     Args:
         half_x: Half of the length of the table between the noses [m].
@@ -197,6 +200,8 @@ def _bed(half_x: float, half_y: float, rubs: str) -> list[str]:
     return [
         f'<geom name="bed" type="box" size="{numbers(half_x, half_y, BED / 2)}" '
         f'pos="{numbers(0.0, 0.0, -BED / 2)}" material="cloth" {rubs}/>',
+        f'<geom name="floor" type="plane" size="4 4 0.1" '
+        f'pos="{numbers(0.0, 0.0, -HIGH)}" rgba="0.62 0.68 0.74 1" {rubs}/>',
         f'<geom name="below" type="box" size="{numbers(outer_x, outer_y, 0.01)}" '
         f'pos="{numbers(0.0, 0.0, -BELOW - 0.01)}" rgba="0.1 0.1 0.1 1" {rubs}/>',
         *(
