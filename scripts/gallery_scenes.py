@@ -213,6 +213,25 @@ motion = mujoco_impact.run(spec, duration=1.5)
         speed=0.4,
     ),
     Scene(
+        name="bank",
+        title="A bank shot",
+        text="Our task `billiards`, `bank`: the yellow ball has to fall into the side "
+        "pocket off the cushion opposite. The cue turns, waits, and strikes. The angle "
+        "was found by trial on the model.",
+        code="""
+from mujoco_impact import envs
+
+env = envs.load("billiards", "bank", task_kwargs={"random": 5})
+env.reset()
+states = []
+for step in range(120):
+    result = env.step([0.3, float(step > 30)])
+    states.append(env.physics.data.qpos.copy())
+print(f"reward {result.reward:.0f}")
+""",
+        speed=0.6,
+    ),
+    Scene(
         name="dm_control",
         title="A task of dm_control",
         text="`ball_in_cup` of dm_control with our impacts, without a change of its "
