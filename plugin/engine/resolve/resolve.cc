@@ -159,6 +159,19 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
   return SetCommonPulse(m, config, system, time, EndOf(problem), problem);
 }
 
+// The friction of impulses that are already scaled: what slides all along goes with them, μ P, what
+// sticks has stopped its slip as it is.
+void ScaleSliding(mjtNum factor, IslandProblem& problem) {
+  constexpr mjtNum kOnRim = 1 - 1e-9;
+  for (int k = 0; k < problem.size; ++k) {
+    mjtNum* friction = problem.tangents->impulse + 2 * k;
+    const mjtNum most = problem.tangents->friction.mu[k] * problem.impulse[k];
+    const mjtNum size = std::hypot(friction[0], friction[1]);
+    const bool slides = factor * size >= kOnRim * most;
+    if (size > 0 && (slides || size > most)) mju_scl(friction, friction, most / size, 2);
+  }
+}
+
 // Gravity goes on while bodies touch, and the contact carries them all the while, for the time W
 // that it lasts. With the impulse P at its centre t, W = (1 + e)/e t. All impulses are scaled by
 //
@@ -185,10 +198,7 @@ void CountForcesMeanwhile(const mjModel* m, const IslandSystem& system, const mj
   for (mjtNum* numbers : {problem.impulse, problem.moment, problem.peak}) {
     mju_scl(numbers, numbers, 1 + meanwhile / work, problem.size);
   }
-  if (problem.tangents) {
-    mjtNum* friction = problem.tangents->impulse;
-    mju_scl(friction, friction, 1 + meanwhile / work, 2 * problem.size);
-  }
+  if (problem.tangents) ScaleSliding(1 + meanwhile / work, problem);
 }
 
 // The contact that gives an impact its scale: the one that closes first or, if that is by rounding
