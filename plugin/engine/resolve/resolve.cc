@@ -208,7 +208,7 @@ void CountForcesMeanwhile(const mjModel* m, const IslandSystem& system, const mj
   constexpr mjtNum kStopped = 1e-6;
   const mjtNum *before = problem.tangents->friction.slip, *slip = problem.tangents->after;
   const bool sticks = std::hypot(slip[0], slip[1]) <= kStopped * std::hypot(before[0], before[1]);
-  if (problem.size == 1 && sticks) {
+  if (problem.size == 1 && sticks && !mju_isZero(friction, 2)) {
     StopSlip(m, acceleration, until / problem.impulse[0], system, problem);
   }
 }
