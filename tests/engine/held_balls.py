@@ -199,19 +199,21 @@ def strike(
     lag = 0.0 if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else STEP / 2
     tau = moment * STEP
     mujoco.mj_fwdPosition(model, data)
-    carried = any(contact.exclude == 0 for contact in data.contact)
-    fall = 0.0 if carried else GRAVITY
+    # geom 0 is the floor; what no contact bears from below falls, on its path
+    borne = [contact.geom[1] - 1 for contact in data.contact if contact.exclude == 0]
+    fall = np.full((n, 1), GRAVITY)
+    fall[borne] = 0.0
     velocity = balls.velocity.copy()
-    velocity[:-1] = speed[:-1, :3] - fall * (lag + tau) * UP
+    velocity[:-1] = speed[:-1, :3] - fall[:-1] * (lag + tau) * UP
     away = np.linalg.norm(balls.place[:-1] - balls.place[-1], axis=1)
     goal = int(np.argmin(away - balls.radius[:-1]))
-    moved = place[goal, :3] + tau * (velocity[goal] + fall * tau / 2 * UP)
+    moved = place[goal, :3] + tau * (velocity[goal] + fall[goal] * tau / 2 * UP)
     rolls = balls.place[-1, 2] < 1.001 * balls.radius[-1]
-    fall = 0.0 if rolls else GRAVITY
+    weight = 0.0 if rolls else GRAVITY
     place[-1, :3] = balls.place[-1] + moved - balls.place[goal]
-    place[-1, :3] -= tau * (balls.velocity[-1] + fall * tau / 2 * UP)
+    place[-1, :3] -= tau * (balls.velocity[-1] + weight * tau / 2 * UP)
     place[-1, 3:] = 1, 0, 0, 0
-    speed[-1] = [*(balls.velocity[-1] + fall * (lag + tau) * UP), *balls.spin]
+    speed[-1] = [*(balls.velocity[-1] + weight * (lag + tau) * UP), *balls.spin]
     before = header(model, data).count
     steps = 0
     while header(model, data).count == before or header(model, data).active:

@@ -117,12 +117,13 @@ def test_what_lies_is_struck_as_hertz_has_it(case, cone, integrator):
 
 @pytest.mark.parametrize("integrator", ["Euler", "RK4"])
 @pytest.mark.parametrize("steps", [0, 1, 4])
-@pytest.mark.parametrize("case", ["on one", "small on large", "on a stack of two"])
+@pytest.mark.parametrize(
+    "case", ["on one", "small on large", "on a stack of two", "on a stack of three"]
+)
 def test_what_still_sinks_into_the_floor_is_struck_so_too(case, steps, integrator):
     """Bodies that have just been put there: MuJoCo's floor gives way for 50 ms.
 
-    The truth is that of bodies which move as they do then. MuJoCo brakes them until the
-    step ends, by .3 g more than their weight in the second step of a stack.
+    The truth is that of bodies which move as they do then.
     """
     balls = CASES[case]
     model, rest = lying(balls, integrator, "pyramidal", steps)
@@ -130,4 +131,4 @@ def test_what_still_sinks_into_the_floor_is_struck_so_too(case, steps, integrato
         data = mujoco.MjData(model)
         mujoco.mj_copyData(data, model, rest)
         meeting, after = strike(balls, model, data, moment)
-        assert worst_error(balls, after, truth(meeting)) < 1.1 * BOUND
+        assert worst_error(balls, after, truth(meeting)) < BOUND
