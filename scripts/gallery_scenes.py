@@ -168,7 +168,7 @@ with warnings.catch_warnings():
     motion = mujoco_impact.run(spec, duration=0.9, keyframe="release")
 first = {impact.geoms: impact.time for impact in reversed(motion.impacts)}
 wave = first["stone_11", "stone_12"] - first["stone_6", "stone_7"]
-print(f"the wave runs at {5 * 0.036 / wave:.2f} m/s")
+print(f"the wave runs at {5 * 0.036 / wave:.1f} m/s")
 """,
         speed=0.25,
     ),
@@ -225,7 +225,7 @@ env = envs.load("billiards", "bank", task_kwargs={"random": 5})
 env.reset()
 states = []
 for step in range(120):
-    result = env.step([0.3, float(step > 30)])
+    result = env.step([0.31, float(step > 30)])
     states.append(env.physics.data.qpos.copy())
 print(f"reward {result.reward:.0f}")
 """,
