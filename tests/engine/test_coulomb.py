@@ -127,36 +127,6 @@ def test_a_ball_throws_another_as_the_closed_form_says(cut, sidespin):
     assert np.abs(data.qvel[6:9] - expected).max() < 1e-7 * speed
 
 
-SHAPES = {
-    "box": 'type="box" size=".05 .05 .05"',
-    "cylinder": 'type="cylinder" size=".05 .05"',
-    "capsule": 'type="capsule" size=".05 .05" euler="0 90 0"',
-}
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("e", [0.3, 0.8])
-def test_what_slides_stops_where_it_should(shape, e):
-    """v^2 / (2 mu g), however it chatters. Without friction in impacts: .5 to 1.3 m.
-
-    MuJoCo moves bodies with the velocity at the end of a step, which costs v h / 2.
-    """
-    mu, speed = 0.5, 2.0
-    xml = f"""
-    <mujoco><option timestep=".002" cone="elliptic"/>
-      <default><geom friction="{mu}"/></default>
-      <worldbody><geom type="plane" size="5 5 .1"/>
-        <body pos="0 0 .05"><freejoint/><geom {SHAPES[shape]}/></body>
-      </worldbody></mujoco>"""
-    model = mujoco_impact.attach(xml, restitution=e).compile()
-    data = mujoco.MjData(model)
-    data.qvel[0] = speed
-    mujoco.mj_step(model, data, 1500)
-    assert np.abs(data.qvel).max() < 1e-3
-    expected = speed**2 / (2 * mu * 9.81) - speed * model.opt.timestep / 2
-    assert data.qpos[0] == pytest.approx(expected, rel=0.01)
-
-
 def test_a_ball_that_slides_comes_to_roll():
     """At 5/7 of its speed, and does not bounce on the way."""
     xml = """

@@ -260,13 +260,9 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
 
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   const mjtNum* fall, const mjtNum* acceleration, Tangents* tangents,
-                   Budget& budget, mjtNum* stiffer, Impact* impacts, Scratch& scratch) {
+                   const mjtNum* acceleration, Tangents* tangents, Budget& budget, mjtNum* stiffer,
+                   Impact* impacts, Scratch& scratch) {
   IslandProblem problem = MakeProblem(m, config, system, velocity, tangents, scratch);
-  for (int k = 0; k < system.size; ++k) {
-    mjtNum& closing = problem.closing_speed[k];
-    if (closing > 0) closing = std::max<mjtNum>(0, closing - fall[k]);
-  }
   const int first = ReferenceOf(problem, time.first);
   const mjtNum speed = problem.closing_speed[first];
   std::fill_n(impacts, system.size, Impact{});
