@@ -55,7 +55,7 @@ bool IsCrowded(const mjModel* m, mjData* d, const Gathered& contacts, const int*
   return couplings > kMostCouplings;
 }
 
-Islands ReachedPart(const mjModel* m, const mjData* d, const Mobility& mobility,
+Islands ReachedPart(const mjModel* m, const mjData* d, const Mobility& mobility, const Stops& stops,
                     const Outlook& outlook, const int* position, int count, Gathered& contacts,
                     ImpactTime& time, Scratch& scratch) {
   mjtNum* gap = scratch.Take<mjtNum>(count);
@@ -82,7 +82,8 @@ Islands ReachedPart(const mjModel* m, const mjData* d, const Mobility& mobility,
     const mjtNum distance = (kFastest * fastest + speed[i]) * time.longest;
     reached[position[i]] = position[i] == first || gap[i] <= distance;
   }
-  return FindIslands(m, mobility, contacts.contact, begins, reached, contacts.count, scratch);
+  return FindIslands(m, mobility, stops, contacts.contact, begins, reached, contacts.count,
+                     scratch);
 }
 
 }  // namespace mujoco_impact::engine

@@ -28,7 +28,7 @@ bool IsCrowded(const mjModel* m, mjData* d, const Gathered& contacts, const int*
 // The part of a crowded island that the impact which begins in it can reach while its bodies get no
 // farther than a part of their radius, as one island; what closes later is an impact of its own.
 // Shortens `time` accordingly.
-Islands ReachedPart(const mjModel* m, const mjData* d, const Mobility& mobility,
+Islands ReachedPart(const mjModel* m, const mjData* d, const Mobility& mobility, const Stops& stops,
                     const Outlook& outlook, const int* position, int count, Gathered& contacts,
                     ImpactTime& time, Scratch& scratch);
 
