@@ -3,6 +3,10 @@
 #include "engine/path/stops.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "law/delassus.h"
+#include "law/stopping_impulses.h"
 
 namespace mujoco_impact::engine {
 
@@ -102,7 +106,7 @@ Stops::Stops(const mjModel* m, mjData* d, const Motion& motion, Scratch& scratch
     if (!IsInReach(m, d, end, motion)) return;
     mjtNum* row = scratch.Zeros(static_cast<int>(m->nv));
     ForDofs(m, d, end, [row](int dof, mjtNum J) { row[dof] = J; });
-    stop_[number_++] = {end.gap, row, Role::kAway};
+    stop_[number_++] = {end.gap, row, false, false};
   });
 }
 
@@ -118,35 +122,56 @@ void Stops::Look(const Motion& path, mjtNum tau) {
   }
   for (int i = 0; i < number_; ++i) {
     Stop& stop = stop_[i];
-    stop.role = stop.gap + mju_dot(stop.row, moved, nv) <= kAtStop ? Role::kFree : Role::kAway;
+    stop.stands = stop.gap + mju_dot(stop.row, moved, nv) <= kAtStop;
+    stop.holds = false;
   }
 }
 
-bool Stops::Change(const mjtNum* velocity, const mjtNum* change, const mjtNum* impulse) {
+bool Stops::FindHeld(const Mobility& ties, const mjtNum* velocity, const mjtNum* change) {
+  constexpr mjtNum kRounding = 1e-12, kWork = 1e6;
   const int nv = static_cast<int>(m_->nv);
-  bool any = false;
-  int next = 0;
+  Scratch scratch(d_);
+  int* standing = scratch.Take<int>(number_);
+  int n = 0;
   for (int i = 0; i < number_; ++i) {
-    Stop& stop = stop_[i];
-    if (stop.role == Role::kHeld && impulse[next++] < 0) {
-      stop.role = Role::kReleased;
-      --held_;
-      any = true;
-    } else if (stop.role == Role::kFree) {
-      // J_s v⁺ < min(0, J_s v)
-      const mjtNum rate = mju_dot(stop.row, velocity, nv);
-      if (mju_dot(stop.row, change, nv) >= -std::max<mjtNum>(0, rate)) continue;
-      stop.role = Role::kHeld;
-      ++held_;
-      any = true;
-    }
+    if (stop_[i].stands) standing[n++] = i;
   }
-  return any;
-}
-
-void Stops::Release() {
-  for (int i = 0; i < number_; ++i) stop_[i].role = Role::kAway;
-  held_ = 0;
+  const size_t numbers = nv + n * (2 * n + law::StoppingImpulses::kArrays + 4);
+  if (n == 0 || !scratch.Fits(numbers * sizeof(mjtNum))) return false;
+  // A Λ ≥ −J_s Δv − max(0, J_s v),  A = J_s M̃⁻¹ J_sᵀ
+  mjtNum *answer = scratch.Take<mjtNum>(nv), *A = scratch.Take<mjtNum>(n * n);
+  mjtNum *diagonal = scratch.Take<mjtNum>(n), *closing = scratch.Take<mjtNum>(n);
+  mjtNum* leaving = scratch.Take<mjtNum>(n);
+  int *row_start = scratch.Take<int>(n + 1), *column = scratch.Take<int>(n * n);
+  mjtNum fastest = 0;
+  for (int a = 0; a < n; ++a) {
+    const mjtNum* row = stop_[standing[a]].row;
+    SolveTouchedTrees(m_, d_, answer, row);
+    if (ties.ties() > 0) ties.Tie(answer);
+    for (int b = 0; b < n; ++b) {
+      A[a * n + b] = mju_dot(stop_[standing[b]].row, answer, nv);
+      column[a * n + b] = b;
+    }
+    row_start[a] = a * n;
+    // what is tied all over does not move
+    diagonal[a] = std::max(A[a * n + a], mjMINVAL);
+    closing[a] = -mju_dot(row, change, nv);
+    leaving[a] = std::max<mjtNum>(0, mju_dot(row, velocity, nv));
+    fastest = std::max(fastest, std::abs(closing[a]));
+  }
+  row_start[n] = n * n;
+  const law::DelassusMatrix matrix{n, row_start, column, A, diagonal};
+  law::StoppingImpulses stopping(matrix, scratch.Take<mjtNum>(law::StoppingImpulses::kArrays * n));
+  stopping.Solve(closing, leaving, kRounding * fastest, kWork);
+  bool changed = false;
+  for (int a = 0; a < n; ++a) {
+    Stop& stop = stop_[standing[a]];
+    const bool holds = stopping.impulse()[a] * diagonal[a] > kRounding * fastest;
+    changed |= holds != stop.holds;
+    held_ += holds - stop.holds;
+    stop.holds = holds;
+  }
+  return changed;
 }
 
 void Stops::Join(TreeSets& sets) const {

@@ -8,11 +8,9 @@
 //   J_s v⁺ ≥ min(0, J_s v)   ⊥   Λ ≥ 0        J_s v: rate of the gap, positive away from the stop
 //
 // A stop that holds is a tie of the bodies (mobility.h), and Λ comes with the impulses of the
-// contacts. The speed with which a joint comes to its stop by itself is left to MuJoCo's limit,
-// which goes on to brake it.
-//
-// Which stops hold is found by trial: those that an impact would push are added to it, those that
-// would pull are left out again, and each is added once at most.
+// contacts. Which stops hold follows from those impulses, and they follow from which stops hold: an
+// impact is solved again until both agree. The speed with which a joint comes to its stop by itself
+// is left to MuJoCo's limit, which goes on to brake it.
 
 #ifndef MUJOCO_IMPACT_ENGINE_PATH_STOPS_H_
 #define MUJOCO_IMPACT_ENGINE_PATH_STOPS_H_
@@ -34,6 +32,10 @@ class Stops {
   // Finds those at which joints stand at τ on a path from where the bodies are now; none holds.
   void Look(const Motion& path, mjtNum tau);
 
+  // Finds those that hold against a `change` of the velocity, M̃⁻¹ Jᵀ P of the contacts with the
+  // ties alone (nv each); whether they are others than before.
+  bool FindHeld(const Mobility& ties, const mjtNum* velocity, const mjtNum* change);
+
   // Whether there are any, and how many hold.
   bool Any() const { return number_ > 0; }
   int held() const { return held_; }
@@ -42,27 +44,19 @@ class Stops {
   template <typename Visit>
   void ForHeld(Visit visit) const {
     for (int i = 0; i < number_; ++i) {
-      if (stop_[i].role == Role::kHeld) visit(stop_[i].row);
+      if (stop_[i].holds) visit(stop_[i].row);
     }
   }
-
-  // Adds those that are pushed by a `change` of the velocity (nv each), and leaves out those whose
-  // `impulse` Λ pulls (held); whether any was.
-  bool Change(const mjtNum* velocity, const mjtNum* change, const mjtNum* impulse);
-
-  // None holds, until the next look.
-  void Release();
 
   // Joins the trees that tendons would tie together.
   void Join(TreeSets& sets) const;
 
  private:
-  enum class Role { kAway, kFree, kHeld, kReleased };
-
   struct Stop {
     mjtNum gap;   // at the start of the step, negative where MuJoCo's limit gives way [m or rad]
     mjtNum* row;  // J_s then (nv)
-    Role role;
+    bool stands;  // a joint stands at it
+    bool holds;
   };
 
   const mjModel* m_;

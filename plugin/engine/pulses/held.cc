@@ -20,15 +20,11 @@ Mobility HeldAgainst(const mjModel* m, mjData* d, const Mobility& ties, Add add,
   if (!stops.Any()) return ties;
   mjtNum *impulse = scratch.Zeros(nv), *change = scratch.Take<mjtNum>(nv);
   add(impulse);
+  ties.Solve(change, impulse);
   stops.Look(still, 0);
-  for (;;) {
-    if (!scratch.Fits(Mobility::StopBytes(m, ties, stops))) return ties;
-    const Mobility held(ties, stops, scratch);
-    mjtNum* pull = scratch.Take<mjtNum>(held.ties());
-    SolveInertia(m, d, change, impulse);
-    if (held.ties() > 0) held.Tie(change, pull);
-    if (!stops.Change(d->qvel, change, pull + held.ties() - held.stops())) return held;
-  }
+  stops.FindHeld(ties, d->qvel, change);
+  if (!scratch.Fits(Mobility::StopBytes(m, ties, stops))) return ties;
+  return Mobility(ties, stops, scratch);
 }
 
 }  // namespace

@@ -142,14 +142,15 @@ IslandSolution Resolver::TryIsland(const Outlook& outlook, ImpactTime time, cons
 template <typename Use>
 bool Resolver::SolveIsland(const Outlook& outlook, const ImpactTime& time, const int* position,
                            int count, Use use) {
+  constexpr int kTrials = 8;
   const mjtNum stiffer = stiffer_;
   stops_.Look(outlook.motion, there_ ? 0 : time.tau);
-  for (;;) {
+  for (int trial = 1;; ++trial) {
     if (!FitsIsland(position, count)) return false;
     Scratch scratch(d_);
     stiffer_ = stiffer;
     const IslandSolution island = TryIsland(outlook, time, position, count, scratch);
-    if (ChangesStops(outlook, time, island)) continue;
+    if (ChangesStops(outlook, time, island) && trial < kTrials) continue;
     use(island);
     return true;
   }

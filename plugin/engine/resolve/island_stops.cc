@@ -17,24 +17,18 @@ void AddKick(const mjModel* m, const ContactRow& row, mjtNum s, mjtNum* x) {
 
 }  // namespace
 
-// Whether other stops hold with these impacts than were held for them.
+// Whether other stops hold against these impacts than were held for them.
 bool Resolver::ChangesStops(const Outlook& outlook, const ImpactTime& time,
                             const IslandSolution& island) {
   if (!stops_.Any()) return false;
   Scratch scratch(d_);
   mjtNum* change = scratch.Zeros(static_cast<int>(m_->nv));
-  mjtNum* impulse = scratch.Take<mjtNum>(island.mobility.ties());
   for (int k = 0; k < island.system.size; ++k) {
-    if (island.impacts[k].impulse <= 0) continue;
     AddKick(m_, island.system.row[k], island.impacts[k].impulse, change);
   }
-  const Mobility& mobility = island.mobility;
-  if (mobility.ties() > 0) {
-    mobility.Tie(change, impulse);
-    mju_addTo(impulse, island.halting, mobility.ties());
-  }
+  if (mobility_.ties() > 0) mobility_.Tie(change);
   const mjtNum* velocity = SettledVelocity(m_, outlook, there_ ? 0 : time.tau, scratch);
-  return stops_.Change(velocity, change, impulse + mobility.ties() - mobility.stops());
+  return stops_.FindHeld(mobility_, velocity, change);
 }
 
 // Adds the impulses of the stops that hold against those of the contacts.
