@@ -2,8 +2,6 @@
 
 #include "engine/path/mobility.h"
 
-#include <algorithm>
-
 #include "engine/common/tree_sets.h"
 #include "engine/path/motion.h"
 #include "engine/path/stops.h"
@@ -124,17 +122,14 @@ void Mobility::Tie(mjtNum* x, mjtNum* force) const {
   AddForces(pull, x);
 }
 
-void Mobility::Halt(mjtNum* velocity, mjtNum* impulse) const {
+void Mobility::Halt(mjtNum* x) const {
   if (stops_ == 0) return;
   mjtNum *rate = work_, *pull = work_ + ties_;
-  mju_mulMatVec(rate, rows_, velocity, ties_, m_->nv);
+  mju_mulMatVec(rate, rows_, x, ties_, m_->nv);
   mju_zero(rate, ties_ - stops_);
-  mju_scl(rate, rate, -1, ties_);
   SolveTies(pull, rate);
-  AddForces(pull, velocity);
-  if (!impulse) return;
-  for (int i = 0; i < ties_; ++i) rate[i] = std::min<mjtNum>(0, rate[i]);
-  SolveTies(impulse, rate);
+  mju_scl(pull, pull, -1, ties_);
+  AddForces(pull, x);
 }
 
 void Mobility::AddStops(const mjtNum* impulse, mjtNum* sum, Scratch& scratch) const {

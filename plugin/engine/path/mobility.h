@@ -55,9 +55,8 @@ class Mobility {
   // x = M⁻¹ y becomes M̃⁻¹ y; `force`, unless null, gets what each tie pulls with for that (ties).
   void Tie(mjtNum* x, mjtNum* force = nullptr) const;
 
-  // Takes out of a velocity what the stops that hold do not let through. `impulse`, unless null,
-  // gets the impulses that it takes to halt what moves away from them (ties).
-  void Halt(mjtNum* velocity, mjtNum* impulse = nullptr) const;
+  // Takes out of a velocity, or an acceleration, what the stops that hold do not let through.
+  void Halt(mjtNum* x) const;
 
   // Adds to a sum the impulses of the stops that hold against `impulse` (nv each).
   void AddStops(const mjtNum* impulse, mjtNum* sum, Scratch& scratch) const;

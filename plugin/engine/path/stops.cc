@@ -12,8 +12,9 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-// A joint this far from its stop stands at it [m or rad].
-constexpr mjtNum kAtStop = 1e-6;
+// So far it may be to a stop that a joint is at, and to one that it can reach while an impact lasts
+// [m or rad].
+constexpr mjtNum kAtStop = 1e-6, kNear = 1e-3;
 
 // One end of the range of a joint or a tendon.
 struct End {
@@ -76,21 +77,21 @@ void ForDofs(const mjModel* m, const mjData* d, const End& end, Visit visit) {
   for (int i = 0; i < dofs; ++i) visit(m->jnt_dofadr[end.id] + i, end.side * end.axis[i]);
 }
 
-// Whether the joint comes to the end in the time h.
-bool IsInReach(const mjModel* m, const mjData* d, const End& end, const Motion& motion) {
+// Whether the joint comes near the end in the time h.
+bool ComesNear(const mjModel* m, const mjData* d, const End& end, const Motion& motion) {
   const mjtNum h = m->opt.timestep;
   mjtNum moved = 0;
   ForDofs(m, d, end, [&](int dof, mjtNum J) {
     moved += J * h * (motion.velocity[dof] + 0.5 * h * motion.acceleration[dof]);
   });
-  return end.gap + std::min<mjtNum>(0, moved) <= kAtStop;
+  return end.gap + std::min<mjtNum>(0, moved) <= kNear;
 }
 
 }  // namespace
 
 Stops::Stops(const mjModel* m, mjData* d, const Motion& motion, Scratch& scratch) : m_(m), d_(d) {
   int number = 0;
-  ForEnds(m, d, [&](const End& end) { number += IsInReach(m, d, end, motion); });
+  ForEnds(m, d, [&](const End& end) { number += ComesNear(m, d, end, motion); });
   if (number == 0) return;
   if (!scratch.Fits(number * (sizeof(Stop) + m->nv * sizeof(mjtNum)) + m->nq * sizeof(mjtNum))) {
     mju_warning(
@@ -103,15 +104,15 @@ Stops::Stops(const mjModel* m, mjData* d, const Motion& motion, Scratch& scratch
   mju_copy(start_, d->qpos, static_cast<int>(m->nq));
   stop_ = scratch.Take<Stop>(number);
   ForEnds(m, d, [&](const End& end) {
-    if (!IsInReach(m, d, end, motion)) return;
+    if (!ComesNear(m, d, end, motion)) return;
     mjtNum* row = scratch.Zeros(static_cast<int>(m->nv));
     ForDofs(m, d, end, [row](int dof, mjtNum J) { row[dof] = J; });
-    stop_[number_++] = {end.gap, row, false, false};
+    stop_[number_++] = {end.gap, end.gap, row, false};
   });
 }
 
 void Stops::Look(const Motion& path, mjtNum tau) {
-  held_ = 0;
+  Release();
   if (number_ == 0) return;
   const int nv = static_cast<int>(m_->nv);
   Scratch scratch(d_);
@@ -121,55 +122,55 @@ void Stops::Look(const Motion& path, mjtNum tau) {
     moved[i] += tau * (path.velocity[i] + 0.5 * tau * path.acceleration[i]);
   }
   for (int i = 0; i < number_; ++i) {
-    Stop& stop = stop_[i];
-    stop.stands = stop.gap + mju_dot(stop.row, moved, nv) <= kAtStop;
-    stop.holds = false;
+    stop_[i].gap = stop_[i].start + mju_dot(stop_[i].row, moved, nv);
   }
 }
 
-bool Stops::FindHeld(const Mobility& ties, const mjtNum* velocity, const mjtNum* change) {
-  constexpr mjtNum kRounding = 1e-12, kWork = 1e6;
-  const int nv = static_cast<int>(m_->nv);
+void Stops::Release() {
+  for (int i = 0; i < number_; ++i) stop_[i].holds = false;
+  held_ = 0;
+}
+
+bool Stops::FindHeld(const Mobility& ties, const mjtNum* velocity, const mjtNum* change,
+                     mjtNum time, bool at_once) {
+  constexpr mjtNum kRounding = 1e-12, kWork = 1e6, kEarly = 0.1;
+  const int n = number_, nv = static_cast<int>(m_->nv);
   Scratch scratch(d_);
-  int* standing = scratch.Take<int>(number_);
-  int n = 0;
-  for (int i = 0; i < number_; ++i) {
-    if (stop_[i].stands) standing[n++] = i;
-  }
   const size_t numbers = nv + n * (2 * n + law::StoppingImpulses::kArrays + 4);
   if (n == 0 || !scratch.Fits(numbers * sizeof(mjtNum))) return false;
-  // A Λ ≥ −J_s Δv − max(0, J_s v),  A = J_s M̃⁻¹ J_sᵀ
   mjtNum *answer = scratch.Take<mjtNum>(nv), *A = scratch.Take<mjtNum>(n * n);
-  mjtNum *diagonal = scratch.Take<mjtNum>(n), *closing = scratch.Take<mjtNum>(n);
-  mjtNum* leaving = scratch.Take<mjtNum>(n);
+  mjtNum *diagonal = scratch.Take<mjtNum>(n), *pushed = scratch.Take<mjtNum>(n);
+  mjtNum* room = scratch.Take<mjtNum>(n);
   int *row_start = scratch.Take<int>(n + 1), *column = scratch.Take<int>(n * n);
+  const mjtNum within = std::max(at_once ? kEarly * time : 0, mjMINVAL);
   mjtNum fastest = 0;
-  for (int a = 0; a < n; ++a) {
-    const mjtNum* row = stop_[standing[a]].row;
-    SolveTouchedTrees(m_, d_, answer, row);
+  // A = J_s M̃⁻¹ J_sᵀ, and Λ ≥ 0 with A Λ ≥ −J_s Δv − room
+  for (int i = 0; i < n; ++i) {
+    SolveTouchedTrees(m_, d_, answer, stop_[i].row);
     if (ties.ties() > 0) ties.Tie(answer);
-    for (int b = 0; b < n; ++b) {
-      A[a * n + b] = mju_dot(stop_[standing[b]].row, answer, nv);
-      column[a * n + b] = b;
+    for (int j = 0; j < n; ++j) {
+      A[i * n + j] = mju_dot(stop_[j].row, answer, nv);
+      column[i * n + j] = j;
     }
-    row_start[a] = a * n;
+    row_start[i] = i * n;
     // what is tied all over does not move
-    diagonal[a] = std::max(A[a * n + a], mjMINVAL);
-    closing[a] = -mju_dot(row, change, nv);
-    leaving[a] = std::max<mjtNum>(0, mju_dot(row, velocity, nv));
-    fastest = std::max(fastest, std::abs(closing[a]));
+    diagonal[i] = std::max(A[i * n + i], mjMINVAL);
+    pushed[i] = -mju_dot(stop_[i].row, change, nv);
+    // without the push
+    const mjtNum end = stop_[i].gap + time * mju_dot(stop_[i].row, velocity, nv);
+    room[i] = std::max<mjtNum>(0, end - kAtStop) / within;
+    fastest = std::max(fastest, std::abs(pushed[i]));
   }
   row_start[n] = n * n;
   const law::DelassusMatrix matrix{n, row_start, column, A, diagonal};
   law::StoppingImpulses stopping(matrix, scratch.Take<mjtNum>(law::StoppingImpulses::kArrays * n));
-  stopping.Solve(closing, leaving, kRounding * fastest, kWork);
+  stopping.Solve(pushed, room, kRounding * fastest, kWork);
   bool changed = false;
-  for (int a = 0; a < n; ++a) {
-    Stop& stop = stop_[standing[a]];
-    const bool holds = stopping.impulse()[a] * diagonal[a] > kRounding * fastest;
-    changed |= holds != stop.holds;
-    held_ += holds - stop.holds;
-    stop.holds = holds;
+  for (int i = 0; i < n; ++i) {
+    const bool holds = stopping.impulse()[i] * diagonal[i] > kRounding * fastest;
+    changed |= holds != stop_[i].holds;
+    held_ += holds - stop_[i].holds;
+    stop_[i].holds = holds;
   }
   return changed;
 }

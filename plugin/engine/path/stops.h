@@ -9,8 +9,10 @@
 //
 // A stop that holds is a tie of the bodies (mobility.h), and Λ comes with the impulses of the
 // contacts. Which stops hold follows from those impulses, and they follow from which stops hold: an
-// impact is solved again until both agree. The speed with which a joint comes to its stop by itself
-// is left to MuJoCo's limit, which goes on to brake it.
+// impact is solved again until both agree. To the law a joint at such a stop stands still, and what
+// speed it had it keeps: that with which it comes to its stop by itself is left to MuJoCo's limit,
+// which goes on to brake it. By M the impulses of an impact that is held are orthogonal to that
+// speed, so energy does not grow.
 
 #ifndef MUJOCO_IMPACT_ENGINE_PATH_STOPS_H_
 #define MUJOCO_IMPACT_ENGINE_PATH_STOPS_H_
@@ -25,16 +27,19 @@ namespace mujoco_impact::engine {
 
 class Stops {
  public:
-  // Of the limits in whose reach `motion` brings the bodies in this step, from where they are in
-  // `d`; none where MuJoCo's limits are off.
+  // Of the limits near which `motion` brings the bodies in this step, from where they are in `d`;
+  // none where MuJoCo's limits are off.
   Stops(const mjModel* m, mjData* d, const Motion& motion, Scratch& scratch);
 
-  // Finds those at which joints stand at τ on a path from where the bodies are now; none holds.
+  // Looks how far they are at τ on a path from where the bodies are now; none holds.
   void Look(const Motion& path, mjtNum tau);
 
-  // Finds those that hold against a `change` of the velocity, M̃⁻¹ Jᵀ P of the contacts with the
-  // ties alone (nv each); whether they are others than before.
-  bool FindHeld(const Mobility& ties, const mjtNum* velocity, const mjtNum* change);
+  // Finds those that hold against contacts that last for `time` and change the velocity, with the
+  // ties alone, by `change` M̃⁻¹ Jᵀ P (nv each); whether they are others than before. A joint is at
+  // a stop that it would reach in the first tenth of the way that it is pushed. If the impulses do
+  // not come `at_once`, it must be there already.
+  bool FindHeld(const Mobility& ties, const mjtNum* velocity, const mjtNum* change, mjtNum time,
+                bool at_once);
 
   // Whether there are any, and how many hold.
   bool Any() const { return number_ > 0; }
@@ -48,14 +53,17 @@ class Stops {
     }
   }
 
+  // None holds.
+  void Release();
+
   // Joins the trees that tendons would tie together.
   void Join(TreeSets& sets) const;
 
  private:
   struct Stop {
-    mjtNum gap;   // at the start of the step, negative where MuJoCo's limit gives way [m or rad]
-    mjtNum* row;  // J_s then (nv)
-    bool stands;  // a joint stands at it
+    mjtNum start;  // gap at the start of the step, negative where MuJoCo's limit gives way
+    mjtNum gap;    // at the last look [m or rad]
+    mjtNum* row;   // J_s at the start of the step (nv)
     bool holds;
   };
 

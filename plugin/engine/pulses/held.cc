@@ -12,7 +12,8 @@ namespace {
 
 // add(Jᵀ P) adds what is yet to come (nv).
 template <typename Add>
-Mobility HeldAgainst(const mjModel* m, mjData* d, const Mobility& ties, Add add, Scratch& scratch) {
+Mobility HeldAgainst(const mjModel* m, mjData* d, const Mobility& ties, const State& state, Add add,
+                     Scratch& scratch) {
   const int nv = static_cast<int>(m->nv);
   mjtNum* none = scratch.Zeros(nv);
   const Motion still{none, none, none};
@@ -22,7 +23,7 @@ Mobility HeldAgainst(const mjModel* m, mjData* d, const Mobility& ties, Add add,
   add(impulse);
   ties.Solve(change, impulse);
   stops.Look(still, 0);
-  stops.FindHeld(ties, d->qvel, change);
+  stops.FindHeld(ties, d->qvel, change, ActiveEnd(state), false);
   if (!scratch.Fits(Mobility::StopBytes(m, ties, stops))) return ties;
   return Mobility(ties, stops, scratch);
 }
@@ -37,7 +38,7 @@ Mobility HeldNow(const mjModel* m, mjData* d, const Mobility& ties, State& state
       AddPulseRow(m, d, pulse, LineNow(m, d, pulse), rest, impulse);
     });
   };
-  return HeldAgainst(m, d, ties, add, scratch);
+  return HeldAgainst(m, d, ties, state, add, scratch);
 }
 
 Mobility HeldAfter(const mjModel* m, mjData* d, const Mobility& ties, State& state,
@@ -47,7 +48,7 @@ Mobility HeldAfter(const mjModel* m, mjData* d, const Mobility& ties, State& sta
       AddPulseRow(m, d, pulse, pulse.line_next, pulse.remaining_next(), impulse);
     });
   };
-  return HeldAgainst(m, d, ties, add, scratch);
+  return HeldAgainst(m, d, ties, state, add, scratch);
 }
 
 }  // namespace mujoco_impact::engine

@@ -110,7 +110,7 @@ IslandSolution Resolver::TryIsland(const Outlook& outlook, ImpactTime time, cons
   IslandSolution island{mobility,
                         BuildIsland(m_, d_, mobility, contacts_, position, count, outlook.motion,
                                     seen, time.tau, scratch),
-                        scratch.Take<Impact>(count), scratch.Zeros(mobility.ties())};
+                        scratch.Take<Impact>(count)};
   IslandSystem& system = island.system;
   const bool friction = HasFriction(config_, contacts_, position, count);
   for (int k = 0; k < count; ++k) budget_.SpendRow(m_, system.row[k], friction ? 3 : 1);
@@ -121,7 +121,7 @@ IslandSolution Resolver::TryIsland(const Outlook& outlook, ImpactTime time, cons
   mjtNum* acceleration = scratch.Take<mjtNum>(m_->nv);
   mju_addScl(acceleration, steady_, start_.motion.jerk, outlook.start + seen, m_->nv);
   // what stands at a stop that holds stands still
-  mobility.Halt(velocity, island.halting);
+  mobility.Halt(velocity);
   mobility.Halt(acceleration);
   Tangents* tangents = nullptr;
   if (friction) {
@@ -137,8 +137,9 @@ IslandSolution Resolver::TryIsland(const Outlook& outlook, ImpactTime time, cons
   return island;
 }
 
-// Solves an island, and again as long as that changes which stops hold, and calls use(island).
-// False if it needs more memory than there is.
+// Solves an island, and again until the stops that hold are those that its impulses push, and calls
+// use(island); where that does not come to an end, none holds. False if it needs more memory than
+// there is.
 template <typename Use>
 bool Resolver::SolveIsland(const Outlook& outlook, const ImpactTime& time, const int* position,
                            int count, Use use) {
@@ -150,7 +151,10 @@ bool Resolver::SolveIsland(const Outlook& outlook, const ImpactTime& time, const
     Scratch scratch(d_);
     stiffer_ = stiffer;
     const IslandSolution island = TryIsland(outlook, time, position, count, scratch);
-    if (ChangesStops(outlook, time, island) && trial < kTrials) continue;
+    if (trial <= kTrials && ChangesStops(outlook, time, island)) {
+      if (trial == kTrials) stops_.Release();
+      continue;
+    }
     use(island);
     return true;
   }

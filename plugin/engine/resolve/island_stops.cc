@@ -23,12 +23,18 @@ bool Resolver::ChangesStops(const Outlook& outlook, const ImpactTime& time,
   if (!stops_.Any()) return false;
   Scratch scratch(d_);
   mjtNum* change = scratch.Zeros(static_cast<int>(m_->nv));
+  mjtNum end = time.start + time.tau;
+  bool at_once = true;
   for (int k = 0; k < island.system.size; ++k) {
-    AddKick(m_, island.system.row[k], island.impacts[k].impulse, change);
+    const Impact& impact = island.impacts[k];
+    if (impact.impulse <= 0) continue;
+    AddKick(m_, island.system.row[k], impact.impulse, change);
+    end = std::max(end, impact.onset + impact.duration);
+    at_once = at_once && impact.at_once;
   }
   if (mobility_.ties() > 0) mobility_.Tie(change);
   const mjtNum* velocity = SettledVelocity(m_, outlook, there_ ? 0 : time.tau, scratch);
-  return stops_.FindHeld(mobility_, velocity, change);
+  return stops_.FindHeld(mobility_, velocity, change, end - time.start - time.tau, at_once);
 }
 
 // Adds the impulses of the stops that hold against those of the contacts.
@@ -49,10 +55,8 @@ void Resolver::AddStops(const IslandSolution& island, const ImpactTime& time, co
     }
     mobility.Tie(kick, pull[of] = scratch.Take<mjtNum>(ties));
   }
-  const mjtNum now = time.start + time.tau;
   for (int i = ties - mobility.stops(); i < ties; ++i) {
-    const mjtNum halting = island.halting[i];
-    const Share share{pull[0][i] + halting, pull[1][i] + now * halting, 1};
+    const Share share{pull[0][i], pull[1][i], 1};
     mobility.ForTrees(i, [&](int tree, int begin) {
       AddShare({tree, mobility.row(i) + begin, mobility.answer(i) + begin}, time, share);
     });

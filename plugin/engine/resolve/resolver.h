@@ -31,7 +31,6 @@ struct IslandSolution {
   Mobility mobility;
   IslandSystem system;
   Impact* impacts;
-  mjtNum* halting;  // impulses that halt what moves away from a stop (ties)
 };
 
 class Resolver {
