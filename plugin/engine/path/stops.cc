@@ -156,9 +156,8 @@ bool Stops::FindHeld(const Mobility& ties, const mjtNum* velocity, const mjtNum*
     // what is tied all over does not move
     diagonal[i] = std::max(A[i * n + i], mjMINVAL);
     pushed[i] = -mju_dot(stop_[i].row, change, nv);
-    // without the push
-    const mjtNum end = stop_[i].gap + time * mju_dot(stop_[i].row, velocity, nv);
-    room[i] = std::max<mjtNum>(0, end - kAtStop) / within;
+    const mjtNum leaving = std::max<mjtNum>(0, mju_dot(stop_[i].row, velocity, nv));
+    room[i] = std::max<mjtNum>(0, stop_[i].gap - kAtStop) / within + leaving / kEarly;
     fastest = std::max(fastest, std::abs(pushed[i]));
   }
   row_start[n] = n * n;
