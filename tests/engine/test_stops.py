@@ -99,7 +99,6 @@ def test_a_bob_at_its_stop_is_a_wall(row, integrator):
     model, data = scene((struck, ""), integrator=integrator, restitution=restitution)
     assert model.body_mass[1] == striker
     velocity = strike(model, data, before, time=0.02)
-    # two stops that hold the same are told apart by 1e-10 of their inertia
     assert velocity[0] == pytest.approx(after, abs=1e-9)
     assert velocity[1] == pytest.approx(0, abs=1e-9)
 
@@ -343,7 +342,18 @@ def test_energy_never_grows(integrator):
             assert header(model, start).count == 1
             after.append(start.qvel.copy())
         energies = [kinetic_energy(model, data, v) for v in (before, after[0])]
-        # rounding; two stops that hold the same are told apart by 1e-10
         assert energies[1] <= energies[0] * (1 + 1e-9)
         held += np.abs(after[0] - after[1]).max() > 1e-3
     assert held > 20
+
+
+@pytest.mark.parametrize("integrator", [name for name in INTEGRATORS if name != "RK4"])
+def test_a_bob_on_its_way_out_of_a_soft_stop_is_struck_as_if_it_were_free(integrator):
+    """MuJoCo's limit, which still pushes it, does not answer in the same step."""
+    model, data = scene("slide", integrator=integrator, gravity="0 0 0")
+    data.qpos[:], data.qvel[:] = 1e-3, [1, -0.5]
+    while header(model, data).count == 0:
+        mujoco.mj_step(model, data)
+    assert data.qpos[1] > 0
+    np.testing.assert_allclose(data.qvel.sum(), 0.5, atol=1e-9)
+    np.testing.assert_allclose(data.qvel, [-0.5, 1], atol=1e-9)

@@ -62,7 +62,7 @@ size_t Mobility::StopBytes(const mjModel* m, const Mobility& others, const Stops
 
 Mobility::Mobility(const Mobility& others, const Stops& stops, Scratch& scratch)
     : Mobility(others) {
-  constexpr mjtNum kSoft = 1e-10;  // of A: two stops may hold the same
+  constexpr mjtNum kSoft = 1e-12;  // of A: two stops may hold the same
   if (stops.held() == 0) return;
   stops_ = stops.held();
   ties_ += stops_;

@@ -107,7 +107,7 @@ Stops::Stops(const mjModel* m, mjData* d, const Motion& motion, Scratch& scratch
     if (!ComesNear(m, d, end, motion)) return;
     mjtNum* row = scratch.Zeros(static_cast<int>(m->nv));
     ForDofs(m, d, end, [row](int dof, mjtNum J) { row[dof] = J; });
-    stop_[number_++] = {end.gap, end.gap, row, false};
+    stop_[number_++] = {end.gap, end.gap, row, false, false, end.tendon, end.id};
   });
 }
 
@@ -172,6 +172,15 @@ bool Stops::FindHeld(const Mobility& ties, const mjtNum* velocity, const mjtNum*
     stop_[i].holds = holds;
   }
   return changed;
+}
+
+void Stops::NoteStruck(const mjtNum* velocity, const mjtNum* change) {
+  const int nv = static_cast<int>(m_->nv);
+  for (int i = 0; i < number_; ++i) {
+    Stop& stop = stop_[i];
+    const bool leaving = mju_dot(stop.row, velocity, nv) > 0;
+    stop.struck |= !stop.holds && leaving && mju_dot(stop.row, change, nv) < 0;
+  }
 }
 
 void Stops::Join(TreeSets& sets) const {

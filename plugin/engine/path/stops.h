@@ -56,6 +56,17 @@ class Stops {
   // None holds.
   void Release();
 
+  // Notes those that joints are leaving, so that they do not hold, but are pushed back into.
+  void NoteStruck(const mjtNum* velocity, const mjtNum* change);
+
+  // Calls visit(whether of a tendon, which joint or tendon) for those.
+  template <typename Visit>
+  void ForStruck(Visit visit) const {
+    for (int i = 0; i < number_; ++i) {
+      if (stop_[i].struck) visit(stop_[i].tendon, stop_[i].id);
+    }
+  }
+
   // Joins the trees that tendons would tie together.
   void Join(TreeSets& sets) const;
 
@@ -64,7 +75,9 @@ class Stops {
     mjtNum start;  // gap at the start of the step, negative where MuJoCo's limit gives way
     mjtNum gap;    // at the last look [m or rad]
     mjtNum* row;   // J_s at the start of the step (nv)
-    bool holds;
+    bool holds, struck;
+    bool tendon;
+    int id;
   };
 
   const mjModel* m_;

@@ -2,6 +2,7 @@
 
 #include "engine/pulses/held.h"
 
+#include "engine/handover/silent_rows.h"
 #include "engine/path/motion.h"
 #include "engine/path/stops.h"
 #include "engine/pulses/line_of_action.h"
@@ -24,6 +25,8 @@ Mobility HeldAgainst(const mjModel* m, mjData* d, const Mobility& ties, const St
   ties.Solve(change, impulse);
   stops.Look(still, 0);
   stops.FindHeld(ties, d->qvel, change, ActiveEnd(state), false);
+  stops.NoteStruck(d->qvel, change);
+  stops.ForStruck([d](bool tendon, int id) { SilenceLimit(d, tendon, id); });
   if (!scratch.Fits(Mobility::StopBytes(m, ties, stops))) return ties;
   return Mobility(ties, stops, scratch);
 }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "engine/handover/silent_rows.h"
 #include "engine/island/tangents.h"
 #include "engine/path/inertia_there.h"
 #include "engine/resolve/reach.h"
@@ -177,6 +178,8 @@ void Resolver::AnchorAll() {
 void Resolver::Run() {
   budget_.SpendPairs(contacts_.asked);
   RunRounds();
+  // MuJoCo's limits would answer the impulses in the same step
+  stops_.ForStruck([this](bool tendon, int id) { SilenceLimit(d_, tendon, id); });
   bodies_.FlyToEnd();
   bodies_.PutBack();
   budget_.Spend(flights_.TakeWork());

@@ -34,7 +34,10 @@ bool Resolver::ChangesStops(const Outlook& outlook, const ImpactTime& time,
   }
   if (mobility_.ties() > 0) mobility_.Tie(change);
   const mjtNum* velocity = SettledVelocity(m_, outlook, there_ ? 0 : time.tau, scratch);
-  return stops_.FindHeld(mobility_, velocity, change, end - time.start - time.tau, at_once);
+  if (stops_.FindHeld(mobility_, velocity, change, end - time.start - time.tau, at_once))
+    return true;
+  stops_.NoteStruck(velocity, change);
+  return false;
 }
 
 // Adds the impulses of the stops that hold against those of the contacts.
