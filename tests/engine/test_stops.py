@@ -357,3 +357,20 @@ def test_a_bob_on_its_way_out_of_a_soft_stop_is_struck_as_if_it_were_free(integr
     assert data.qpos[1] > 0
     np.testing.assert_allclose(data.qvel.sum(), 0.5, atol=1e-9)
     np.testing.assert_allclose(data.qvel, [-0.5, 1], atol=1e-9)
+
+
+def test_what_a_string_pulls_presses_on_at_the_same_time():
+    """A ball, two on a string and one that touches the second: like a row of three."""
+    behind = """
+    <body pos="-.5 0 0"><freejoint/><geom/><site name="behind"/></body>
+    <body pos="-.46 0 0"><freejoint/><geom/></body>"""
+    string = STRING.format('range="0 .5"').replace("wall", "behind")
+    model, data = scene((FREE + behind, string), gravity="0 0 0")
+    on_string = strike(model, data)[[0, 1, 7, 13]]
+    row = """
+    <body><freejoint/><geom mass=".4"/></body>
+    <body pos=".04 0 0"><freejoint/><geom/></body>"""
+    model, data = scene((row, ""), gravity="0 0 0")
+    in_row = strike(model, data)[[0, 1, 7]]
+    # to the tolerance of the law
+    np.testing.assert_allclose(on_string, in_row[[0, 1, 1, 2]], atol=1e-5)
