@@ -36,8 +36,9 @@ class Stops {
 
   // Finds those that hold against contacts that last for `time` and change the velocity, with the
   // ties alone, by `change` M̃⁻¹ Jᵀ P (nv each); whether they are others than before. A joint is at
-  // a stop that it would reach in the first tenth of the way that it is pushed. If the impulses do
-  // not come `at_once`, it must be there already.
+  // a stop that it would reach in the first tenth of the way that it is pushed, unless it leaves it
+  // faster than with a tenth of the push. If the impulses do not come `at_once`, it must be there
+  // already.
   bool FindHeld(const Mobility& ties, const mjtNum* velocity, const mjtNum* change, mjtNum time,
                 bool at_once);
 
