@@ -69,8 +69,8 @@ class Resolver {
                            Scratch& scratch);
   mjtNum CentreOf(const Outlook& outlook, const ImpactTime& time, const int* position, int count);
   bool AnyFlies(const IslandSystem& system) const;
-  const mjtNum* FallOf(const IslandSystem& system, const int* position, mjtNum time,
-                       Scratch& scratch) const;
+  void HoldUp(const Mobility& mobility, const IslandSystem& system, const int* position,
+              mjtNum time, mjtNum* velocity);
   static void ComeAtOnce(const ImpactTime& time, int count, Impact* impacts);
   void AddImpacts(const IslandSolution& island, const ImpactTime& time, const int* position);
   Share AddImpact(const ContactRow& row, const ImpactTime& time, const Impact& impact);
