@@ -132,7 +132,7 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
 
 
 def _work(model: mujoco.MjModel, data: mujoco.MjData, instances: list[int]) -> float:
-    """Returns the counted work of a step over its budget (plugin/engine/resolve/budget.h)."""
+    """Returns the counted work of a step over its budget (`resolve/budget.h`)."""
     parts = [data.plugin_state[model.plugin_stateadr[i] + _WORK] for i in instances]
     return float(max(parts, default=0.0))
 
