@@ -8,8 +8,8 @@ from typing import Any
 import mujoco
 
 from mujoco_impact._plugin import PLUGIN_NAME
-from mujoco_impact.envs.extras import require
 from mujoco_impact.errors import SceneError
+from mujoco_impact.extras import require
 from mujoco_impact.scene import attach
 from mujoco_impact.settings import Setting, attributes
 from mujoco_impact.specifications import one_line
