@@ -42,7 +42,7 @@ inline bool MayClose(const mjModel* m, const mjData* d, const mjContact& contact
                      const MocapRecord* mocap, mjtNum touch) {
   const mjtNum c = ClosingSpeed(m, d, contact, mocap);
   if (c <= 0 || contact.dist - FarthestImpact(m, d, c) >= -touch) return false;
-  return !IsCarried(contact) || c > LargestRestSpeed(m, d);
+  return !IsCarried(contact) || c > CarriedRestSpeed(m, d, 0, -contact.dist);
 }
 
 // A contact as two points of its bodies, so that its gap is known wherever the bodies are.

@@ -13,8 +13,8 @@ import mujoco
 import numpy as np
 
 from mujoco_impact import attach, envs
-from mujoco_impact.envs.extras import require
 from mujoco_impact.errors import ImpactError, ImpactWarning
+from mujoco_impact.extras import require
 from mujoco_impact.trajectory import Array
 
 suite: Any = require("dm_control.suite")
