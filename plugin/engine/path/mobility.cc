@@ -75,10 +75,11 @@ void Mobility::FindGroups(Scratch& scratch) {
 
 void Mobility::Solve(mjtNum* x, const mjtNum* y) const {
   SolveInertia(m_, d_, x, y);
-  if (ties_ > 0) Tie(x);
+  Tie(x);
 }
 
 void Mobility::Tie(mjtNum* x) const {
+  if (ties_ == 0) return;
   mjtNum *rate = work_, *force = work_ + ties_;
   // x −= M⁻¹Jᵀ(A + R)⁻¹J x
   mju_mulMatVec(rate, rows_, x, ties_, m_->nv);

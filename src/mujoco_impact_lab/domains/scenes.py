@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from mujoco_impact import attach, envs
-from mujoco_impact.errors import ImpactError, ImpactWarning
+from mujoco_impact.errors import ImpactWarning
 from mujoco_impact.extras import require
 from mujoco_impact.trajectory import Array
 
@@ -72,8 +72,11 @@ class Scene:
             )
         )
 
-    def ours(self) -> Player:
+    def ours(self, restitution: float) -> Player:
         """Returns it with the contacts of all geoms ours.
+
+        Args:
+            restitution: Of these contacts, in [0, 1].
 
         Raises:
             ImpactError: If it cannot take the plugin.
@@ -82,27 +85,23 @@ class Scene:
             # what force sensors miss is told when the scene is loaded, and not judged
             warnings.simplefilter("ignore", ImpactWarning)
             if self.library == GYMNASIUM:
-                return _of_gymnasium(self._with_impacts())
+                return _of_gymnasium(self._with_impacts(restitution))
             return _of_suite(
                 lambda seed: envs.load(
-                    self.domain, self.task, task_kwargs={"random": seed}
+                    self.domain,
+                    self.task,
+                    task_kwargs={"random": seed},
+                    restitution=restitution,
                 )
             )
 
-    def refusal(self) -> str | None:
-        """Returns why the environment is refused, None if it is not."""
-        try:
-            self.ours()
-        except ImpactError as error:
-            return str(error)
-        return None
-
-    def _with_impacts(self) -> Any:
+    def _with_impacts(self, restitution: float) -> Any:
         """Returns the environment of gymnasium with our contacts."""
         path = gymnasium.make(self.domain).unwrapped.fullpath
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "scene.xml"
-            file.write_text(attach(path).to_xml(), encoding="utf-8")
+            xml = attach(path, restitution=restitution).to_xml()
+            file.write_text(xml, encoding="utf-8")
             return gymnasium.make(self.domain, xml_file=str(file))
 
 

@@ -11,6 +11,9 @@ from mujoco_impact.impact import Impact
 from mujoco_impact.pulses import PulseReader
 from mujoco_impact.trajectory import Array
 
+_WORK = 15
+"""Of the header of the plugin's state: the work of the last step over its budget."""
+
 
 @dataclasses.dataclass
 class Watch:
@@ -21,7 +24,8 @@ class Watch:
         fastest: Largest velocity of a degree of freedom [m/s, rad/s].
         impacts: Impacts so far.
         energy: Largest energy that the impacts of a step have added [J].
-        energy_part: The same over the kinetic energy at that time.
+        kinetic: Largest kinetic energy before an impact [J].
+        work: Work of the last step of the plugin, over what a step may do.
     """
 
     model: mujoco.MjModel
@@ -31,7 +35,8 @@ class Watch:
     fastest: float = 0.0
     impacts: int = 0
     energy: float = 0.0
-    energy_part: float = 0.0
+    kinetic: float = 0.0
+    work: float = 0.0
 
     def __post_init__(self) -> None:
         """Starts at the state of the data."""
@@ -40,9 +45,9 @@ class Watch:
         self._before: tuple[Array, Array, Array] | None = None
 
     @property
-    def missed(self) -> int:
-        """Impacts without a record."""
-        return self._pulses.missed
+    def recorded(self) -> list[Impact]:
+        """The impacts."""
+        return self._pulses.impacts
 
     def before_step(self) -> None:
         """Notes the state that the step starts from."""
@@ -55,17 +60,21 @@ class Watch:
         if data.ncon:
             self.deepest = max(self.deepest, -float(data.contact.dist.min()))
         self.fastest = max(self.fastest, float(np.abs(data.qvel).max()))
+        if self.model.nplugin:
+            address = self.model.plugin_stateadr[0] + _WORK
+            self.work = float(data.plugin_state[address])
         self._pulses.poll()
-        new = self._pulses.impacts[self.impacts :]
+        new = self.recorded[self.impacts :]
         self.impacts += len(new)
         if new and self._before is not None:
-            self._judge(new, *self._before)
+            self.judge(new, *self._before)
 
-    def _judge(
+    def judge(
         self, impacts: list[Impact], qpos: Array, qvel: Array, act: Array
     ) -> None:
         """Follows the bodies from impact to impact with the impulses of the record.
 
+        The contacts and joint limits that carry them meanwhile are left out.
         An impulse p = J'P on bodies with the velocity v adds p.v + p.(p/M)/2.
         """
         model, probe = self.plain, self._probe
@@ -78,7 +87,7 @@ class Watch:
         # the path of the semi-implicit integrators
         euler = model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4
         velocity = qvel + (h / 2 * smooth if euler else 0.0)
-        kinetic, added, now = 0.0, 0.0, 0.0
+        first, added, now = True, 0.0, 0.0
         push, product = np.zeros(model.nv), np.zeros(model.nv)
         for impact in sorted(impacts, key=lambda one: one.time):
             time = min(max(impact.time - start, 0.0), h)
@@ -86,9 +95,10 @@ class Watch:
             velocity = velocity + (time - now) * smooth
             now = time
             mujoco.mj_fwdPosition(model, probe)
-            if kinetic == 0.0:
+            if first:
                 mujoco.mj_mulM(model, probe, product, velocity)
-                kinetic = float(velocity @ product) / 2
+                self.kinetic = max(self.kinetic, float(velocity @ product) / 2)
+                first = False
             impulse = impact.impulse * np.array(impact.normal)
             impulse += np.array(impact.tangential_impulse)
             push[:] = 0.0
@@ -106,9 +116,7 @@ class Watch:
             change = _Ties(model, probe).change(push)
             added += float(push @ velocity + push @ change / 2)
             velocity = velocity + change
-        if added > self.energy:
-            self.energy = added
-        self.energy_part = max(self.energy_part, added / max(kinetic, 1e-9))
+        self.energy = max(self.energy, added)
 
     def _geom(self, name: str) -> int:
         """Returns the number of a geom of a record."""
@@ -120,10 +128,10 @@ class Watch:
 class _Ties:
     """What a force changes the velocities by in a step, over h.
 
-    M + h B with Euler, B the damping of joints, divides a force f, and equality
-    constraints with the rows J answer it: with A = J J'/(M + h B),
+    Equality constraints with the rows J answer a force f on the bodies as they are,
+    and Euler's step divides both by the inertia with the damping B of the joints:
 
-        a = (f - J' (A + R)^-1 (J f / (M + h B) - a_ref)) / (M + h B)
+        f_J = J' (J M^-1 J' + R)^-1 (a_ref - J M^-1 f),  a = (M + h B)^-1 (f + f_J)
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -131,24 +139,26 @@ class _Ties:
         inertia = np.zeros((model.nv, model.nv))
         for row, unit in zip(inertia, np.eye(model.nv), strict=True):
             mujoco.mj_mulM(model, data, row, unit)
+        damped = inertia.copy()
         if model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4:
-            inertia += np.diag(float(model.opt.timestep) * model.dof_damping)
-        self._free = np.linalg.inv(inertia)
+            damped += np.diag(float(model.opt.timestep) * model.dof_damping)
+        self._damped = np.linalg.inv(damped)
         rows = np.zeros((data.ne, model.nv))
         for row, unit in zip(rows, np.eye(data.nefc), strict=False):
             mujoco.mj_mulJacTVec(model, data, row, unit)
         self._rows, self._reference = rows, data.efc_aref[: data.ne].copy()
-        held = rows @ self._free @ rows.T + np.diag(data.efc_R[: data.ne])
+        self._answer = rows @ np.linalg.inv(inertia)
+        held = self._answer @ rows.T + np.diag(data.efc_R[: data.ne])
         self._held = np.linalg.inv(held)
 
     def change(self, push: Array) -> Array:
         """Returns what an impulse changes the velocity by, shape (nv,)."""
-        free = self._free @ push
-        answer: Array = self._free @ self._rows.T @ (self._held @ (self._rows @ free))
-        return free - answer
+        tied = self._rows.T @ (self._held @ (self._answer @ push))
+        changed: Array = self._damped @ (push - tied)
+        return changed
 
     def acceleration(self, force: Array) -> Array:
         """Returns the acceleration under a force, shape (nv,)."""
-        pull = self._free @ self._rows.T @ (self._held @ self._reference)
-        result: Array = self.change(force) + pull
+        pull = self._rows.T @ (self._held @ self._reference)
+        result: Array = self.change(force) + self._damped @ pull
         return result
