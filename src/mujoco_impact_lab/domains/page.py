@@ -177,7 +177,7 @@ def _verdict(played: Sequence[Tour]) -> str:
     new = [
         one.scene.name
         for one in played
-        if one.ours is not None and one.ours.warnings > one.stock.warnings
+        if one.ours and one.stock and one.ours.warnings > one.stock.warnings
     ]
     if not new:
         return "None warns of anything that it does not warn of with MuJoCo's contacts."
@@ -195,7 +195,7 @@ def _tours(played: Sequence[Tour]) -> str:
             _pair(one.ours.fastest, one.stock.fastest),
         )
         for one in played
-        if one.ours is not None
+        if one.ours and one.stock
     ]
     return markdown_table(
         ("library", "environment", "warnings", "deepest [mm]", "fastest"), rows

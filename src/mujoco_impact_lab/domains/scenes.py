@@ -18,6 +18,7 @@ from mujoco_impact.extras import require
 from mujoco_impact.trajectory import Array
 
 suite: Any = require("dm_control.suite")
+control: Any = require("dm_control.rl.control")
 gymnasium: Any = require("gymnasium")
 
 DM_CONTROL, GYMNASIUM = "dm_control", "gymnasium"
@@ -131,7 +132,12 @@ def _of_suite(load: Callable[[int], Any]) -> Player:
         environment.reset()
 
     def step(action: Array) -> None:
-        if environment.step(low + (high - low) * (action + 1) / 2).last():
+        try:
+            last = environment.step(low + (high - low) * (action + 1) / 2).last()
+        except control.PhysicsError:
+            # of a warning, which is counted
+            last = True
+        if last:
             environment.reset()
 
     substeps = round(environment.control_timestep() / physics.timestep())

@@ -35,13 +35,13 @@ class Tour:
 
     Attributes:
         scene: The environment.
-        stock: What was seen with MuJoCo's contacts.
+        stock: What was seen with MuJoCo's contacts; None if ours are refused.
         ours: What was seen with ours; None if they are refused.
         refusal: Why, or "".
     """
 
     scene: Scene
-    stock: Play
+    stock: Play | None
     ours: Play | None
     refusal: str = ""
 
@@ -54,12 +54,11 @@ def tour(scene: Scene, *, actions: int = ACTIONS, restitution: float = 1.0) -> T
         actions: How many actions it is given.
         restitution: Of our contacts, in [0, 1].
     """
-    stock = _play(scene.stock(), actions)
     try:
         player = scene.ours(restitution)
     except ImpactError as error:
-        return Tour(scene, stock, None, str(error))
-    return Tour(scene, stock, _play(player, actions))
+        return Tour(scene, None, None, str(error))
+    return Tour(scene, _play(scene.stock(), actions), _play(player, actions))
 
 
 def _play(player: Player, actions: int) -> Play:
