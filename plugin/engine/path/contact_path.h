@@ -50,7 +50,7 @@ inline mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& c
 inline bool MayClose(const mjModel* m, const mjContact& contact, mjtNum c, mjtNum at_rest,
                      mjtNum touch) {
   const mjtNum h = m->opt.timestep;
-  if (c <= (IsCarried(contact) ? std::max(at_rest, -contact.dist / h) : 0)) return false;
+  if (c <= (IsCarried(contact) ? std::max(at_rest, -contact.dist / (2 * h)) : 0)) return false;
   return contact.dist - std::min(3 * c, c + at_rest / 2) * h < -touch;
 }
 
