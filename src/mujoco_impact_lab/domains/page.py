@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import mujoco
 import numpy as np
 
 from mujoco_impact.text import markdown_table
@@ -74,7 +75,8 @@ contacts of all their geoms ours, beside the same domains as they are.
 ## Robots that move and lie down
 
 {SECONDS:g} s: random actions for {MOVING * SECONDS:g} s, and motors that do nothing
-after that; {seeds} runs each. A cell with two numbers has ours / MuJoCo's.
+after that; {seeds} runs each. MuJoCo {mujoco.__version__}.
+A cell with two numbers has ours / MuJoCo's.
 
 {_motions(robots)}
 * *deepest*: largest overlap of two geoms in all runs [mm]; *mean*: of the runs.
