@@ -156,7 +156,7 @@ bool Resolver::MoreMayClose(const Outlook& outlook) {
   bool any = false;
   for (int k = 0; k < contacts_.count; ++k) {
     const bool moved = struck_.Moved(*contacts_.contact[k]);
-    contacts_.relevant[k] = (contacts_.due[k] || moved) && !contacts_.idle[k];
+    contacts_.relevant[k] = contacts_.due[k] || moved;
     if (any || !contacts_.relevant[k]) continue;
     const ContactAnchor& anchor = Anchor(m_, d_, contacts_, k);
     const mjtNum rate = ContactPath(m_, d_, anchor, struck_.kicked()).GapRate(0);

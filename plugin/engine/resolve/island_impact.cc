@@ -242,38 +242,15 @@ void Resolver::AddImpacts(const IslandSystem& system, const ImpactTime& time, co
   }
 }
 
-// Resolves as much of the island as the impact that begins in it can reach.
-bool Resolver::ResolvePartOf(const Outlook& outlook, ImpactTime time, const int* position,
-                             int count) {
-  if (last_ || !IsCrowded(m_, d_, contacts_, position, count)) {
-    return ResolveIslandOf(outlook, time, position, count);
-  }
-  Scratch scratch(d_);
-  const Islands part =
-      ReachedPart(m_, d_, mobility_, outlook, position, count, contacts_, time, scratch);
-  const int* end = part.position + part.start[1];
-  for (int k = 0; k < count; ++k) {
-    const int i = position[k];
-    if (!contacts_.due[i] || std::binary_search(part.position, end, i)) continue;
-    left_ = std::min(left_, time.start + contacts_.tau[i]);
-  }
-  time.first = FirstClosing(outlook, part.position, part.start[1]).first;
-  return ResolveIslandOf(outlook, time, part.position, part.start[1]);
-}
-
 // Resolves the island from the first contact on whose closing is an impact. What closes within the
 // flight of one that pushes nothing was part of the same problem.
 void Resolver::ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position,
                               int count) {
   while (time.first >= 0) {
-    if (ResolvePartOf(outlook, time, position, count)) {
-      std::fill_n(contacts_.idle, contacts_.count, false);
-      return;
-    }
+    if (ResolveIslandOf(outlook, time, position, count)) return;
     for (int k = 0; k < count; ++k) {
       const int i = position[k];
       if (!contacts_.due[i] || contacts_.tau[i] > time.tau + time.flight) continue;
-      contacts_.idle[i] = true;
       contacts_.due[i] = false;
     }
     if (budget_.IsSpent()) return;

@@ -51,7 +51,6 @@ class Resolver {
   bool HasArms(const int* position, int count) const;
   void GoToCentre(Outlook& outlook, const ImpactTime& time, const int* position, int count);
   void ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
-  bool ResolvePartOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
   bool ResolveIslandOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
   bool FitsIsland(const int* position, int count);
   IslandSystem SolveIsland(const Outlook& outlook, ImpactTime time, const int* position, int count,
