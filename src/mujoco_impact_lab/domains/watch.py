@@ -6,6 +6,7 @@ import dataclasses
 
 import mujoco
 import numpy as np
+import scipy.optimize
 
 from mujoco_impact.impact import Impact
 from mujoco_impact.pulses import PulseReader
@@ -13,6 +14,14 @@ from mujoco_impact.trajectory import Array
 
 _WORK = 15
 """Of the header of the plugin's state: the work of the last step over its budget."""
+
+
+_AT_END = 1e-4
+"""So far from the end of its range a joint reaches it in an impact [m or rad]."""
+
+
+_SAME_IMPACT = 0.05
+"""Of a step: what begins within it presses on stops together."""
 
 
 @dataclasses.dataclass
@@ -74,8 +83,9 @@ class Watch:
     ) -> None:
         """Follows the bodies from impact to impact with the impulses of the record.
 
-        The contacts and joint limits that carry them meanwhile are left out.
-        An impulse p = J'P on bodies with the velocity v adds p.v + p.(p/M)/2.
+        The contacts that carry them meanwhile are left out. An impulse p = J'P, with
+        that of the joint stops that it presses on, adds p.v + p.(p/M)/2 to bodies with
+        the velocity v.
         """
         model, probe = self.plain, self._probe
         h = float(model.opt.timestep)
@@ -89,8 +99,8 @@ class Watch:
         velocity = qvel + (h / 2 * smooth if euler else 0.0)
         first, added, now = True, 0.0, 0.0
         push, product = np.zeros(model.nv), np.zeros(model.nv)
-        for impact in sorted(impacts, key=lambda one: one.time):
-            time = min(max(impact.time - start, 0.0), h)
+        for together in _groups(impacts, _SAME_IMPACT * h):
+            time = min(max(together[0].time - start, 0.0), h)
             mujoco.mj_integratePos(model, probe.qpos, velocity, time - now)
             velocity = velocity + (time - now) * smooth
             now = time
@@ -99,30 +109,58 @@ class Watch:
                 mujoco.mj_mulM(model, probe, product, velocity)
                 self.kinetic = max(self.kinetic, float(velocity @ product) / 2)
                 first = False
-            impulse = impact.impulse * np.array(impact.normal)
-            impulse += np.array(impact.tangential_impulse)
             push[:] = 0.0
-            for sign, geom in zip((-1, 1), impact.geoms, strict=True):
-                body = int(model.geom_bodyid[self._geom(geom)])
-                mujoco.mj_applyFT(
-                    model,
-                    probe,
-                    sign * impulse,
-                    np.zeros(3),
-                    np.array(impact.position),
-                    body,
-                    push,
-                )
-            change = _Ties(model, probe).change(push)
+            for impact in together:
+                self._add_push(impact, push)
+            ties = _Ties(model, probe)
+            push += ties.stopped(push, _ends(model, probe))
+            change = ties.change(push)
             added += float(push @ velocity + push @ change / 2)
             velocity = velocity + change
         self.energy = max(self.energy, added)
+
+    def _add_push(self, impact: Impact, push: Array) -> None:
+        """Adds J'P, the bodies being where the probe has them."""
+        impulse = impact.impulse * np.array(impact.normal)
+        impulse += np.array(impact.tangential_impulse)
+        place = np.array(impact.position)
+        for sign, geom in zip((-1, 1), impact.geoms, strict=True):
+            body = int(self.model.geom_bodyid[self._geom(geom)])
+            force, torque = sign * impulse, np.zeros(3)
+            mujoco.mj_applyFT(self.plain, self._probe, force, torque, place, body, push)
 
     def _geom(self, name: str) -> int:
         """Returns the number of a geom of a record."""
         if name.startswith("geom "):
             return int(name[5:])
         return int(self.model.geom(name).id)
+
+
+def _groups(impacts: list[Impact], time: float) -> list[list[Impact]]:
+    """Returns the impacts in order of time, those that begin together in one list."""
+    groups: list[list[Impact]] = []
+    for impact in sorted(impacts, key=lambda one: one.time):
+        if groups and impact.time - groups[-1][0].time < time:
+            groups[-1].append(impact)
+        else:
+            groups.append([impact])
+    return groups
+
+
+def _ends(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
+    """Returns a row for each hinge and slide that is at an end of its range."""
+    rows = []
+    for joint in np.flatnonzero(model.jnt_limited):
+        if model.jnt_type[joint] < int(mujoco.mjtJoint.mjJNT_SLIDE):
+            continue
+        value = data.qpos[model.jnt_qposadr[joint]]
+        below, above = model.jnt_range[joint]
+        for side, gap in ((1, value - below), (-1, above - value)):
+            if gap < _AT_END:
+                row = np.zeros(model.nv)
+                row[model.jnt_dofadr[joint]] = side
+                rows.append(row)
+    return np.array(rows).reshape(-1, model.nv)
 
 
 class _Ties:
@@ -156,6 +194,23 @@ class _Ties:
         tied = self._rows.T @ (self._held @ (self._answer @ push))
         changed: Array = self._damped @ (push - tied)
         return changed
+
+    def stopped(self, push: Array, ends: Array) -> Array:
+        """Returns what joints at the ends of their ranges answer, shape (nv,).
+
+        Args:
+            push: Impulse, shape (nv,).
+            ends: A row for each end, positive away from it, shape (n, nv).
+        """
+        if not len(ends):
+            return np.zeros_like(push)
+        answer = np.array([self.change(row) for row in ends])
+        # 0 <= L, 0 <= A L + b, and one of them zero: the least |C L + b/C'|, A = C'C
+        factor = np.linalg.cholesky(ends @ answer.T + 1e-12 * np.eye(len(ends))).T
+        target = -np.linalg.solve(factor.T, ends @ self.change(push))
+        impulse, _ = scipy.optimize.nnls(factor, target)
+        result: Array = ends.T @ impulse
+        return result
 
     def acceleration(self, force: Array) -> Array:
         """Returns the acceleration under a force, shape (nv,)."""
