@@ -52,14 +52,13 @@ bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Lanes&
 }
 
 bool MovesSlowly(const ImpactProblem& problem, const Lanes& lanes) {
-  const double e = problem.restitution;
   for (int i = 0; i < lanes.size(); ++i) {
     const int k = lanes.contact(i);
     const double y = std::max(lanes.y[i], 0.0), c = std::abs(lanes.c[i]);
     // the energy that a compressed contact gives back: e² 2/5 K y^2.5 = u²/(2 W)
     const double u2 =
         0.8 * problem.stiffness[k] * y * y * std::sqrt(y) * problem.delassus.diagonal[k];
-    const double rest = problem.rest_speed[k];
+    const double rest = problem.rest_speed[k], e = problem.restitution[k];
     const bool moves = y > 0 ? c > rest || e * e * u2 > rest * rest : lanes.c[i] > rest;
     if (moves) return false;
   }

@@ -16,7 +16,7 @@ namespace mujoco_impact::engine {
 // Delivers the part of a new pulse that belongs to this step: all of it, by its moment, if the
 // impact comes at once.
 void Resolver::AddImpact(const ContactRow& row, const ImpactTime& time, const Impact& impact) {
-  const Pulse pulse = MakePulse(m_, d_, row, time.tau, impact, config_, state_);
+  const Pulse pulse = MakePulse(m_, d_, row, time.tau, impact, state_);
   const Share whole{impact.impulse, impact.moment, 1};
   const Share share =
       impact.at_once ? whole : ShareOfStep(pulse, state_.header().clock, m_->opt.timestep);
@@ -76,7 +76,7 @@ bool Resolver::AnyFlies(const IslandSystem& system) const {
 
 bool Resolver::FitsIsland(const int* position, int count) {
   Scratch scratch(d_);
-  const bool friction = HasFriction(config_, contacts_, position, count);
+  const bool friction = HasFriction(materials_, contacts_, position, count);
   size_t bytes = IslandBytes(m_, mobility_, contacts_, position, count, friction, scratch);
   if (config_.friction == Friction::kPaper) bytes += FrictionBytes(m_, bytes);
   return scratch.Fits(bytes);
@@ -107,7 +107,7 @@ IslandSystem Resolver::SolveIsland(const Outlook& outlook, ImpactTime time, cons
   time.seen = seen - time.tau;
   IslandSystem system = BuildIsland(m_, d_, mobility_, contacts_, position, count, outlook.motion,
                                     seen, time.tau, scratch);
-  const bool friction = HasFriction(config_, contacts_, position, count);
+  const bool friction = HasFriction(materials_, contacts_, position, count);
   for (int k = 0; k < count; ++k) budget_.SpendRow(m_, system.row[k], friction ? 3 : 1);
   // a tumbling body turns away from a pulse that lasts, whose line stays as it was
   constexpr mjtNum kShortSteps = 4;
@@ -117,11 +117,12 @@ IslandSystem Resolver::SolveIsland(const Outlook& outlook, ImpactTime time, cons
   mju_addScl(acceleration, steady_, start_.motion.jerk, outlook.start + seen, m_->nv);
   Tangents* tangents = nullptr;
   if (friction) {
-    tangents = BuildTangents(m_, d_, mobility_, system, outlook.motion, seen, velocity, scratch);
+    tangents = BuildTangents(m_, d_, mobility_, materials_, system, outlook.motion, seen, velocity,
+                             scratch);
   }
   const mjtNum* fall = FallOf(system, position, outlook.start + seen, scratch);
-  ResolveIsland(m_, config_, ownership_, system, time, velocity, fall, acceleration, tangents,
-                budget_, &stiffer_, impacts, scratch);
+  ResolveIsland(m_, config_, materials_, ownership_, system, time, velocity, fall, acceleration,
+                tangents, budget_, &stiffer_, impacts, scratch);
   if (tangents) TurnRows(m_, *tangents, system, impacts);
   if (config_.friction == Friction::kPaper) {
     AddFriction(m_, d_, config_, outlook.motion, seen, velocity, system, impacts, scratch);

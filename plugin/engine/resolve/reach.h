@@ -11,14 +11,14 @@
 #include "engine/foresee/outlook.h"
 #include "engine/island/islands.h"
 #include "engine/resolve/resolve.h"
-#include "engine/scene/config.h"
+#include "engine/scene/materials.h"
 
 namespace mujoco_impact::engine {
 
 // How far a body may get in an impact of this round: it may leave it at up to twice the speed of
 // the fastest closing, and fly for as long as the law counts what follows as the same impact [m].
-mjtNum ReachOfRound(const mjModel* m, const mjData* d, const Config& config, const Outlook& outlook,
-                    mjtNum flight, Gathered& contacts);
+mjtNum ReachOfRound(const mjModel* m, const mjData* d, const Materials& materials,
+                    const Outlook& outlook, mjtNum flight, Gathered& contacts);
 
 // Whether the contacts of an island are too many for one problem of the law: most of them are then
 // between bodies that others keep apart, for balls touch 12 others at most.

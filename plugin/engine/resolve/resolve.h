@@ -10,7 +10,7 @@
 #include "engine/island/impact.h"
 #include "engine/island/island_system.h"
 #include "engine/resolve/budget.h"
-#include "engine/scene/config.h"
+#include "engine/scene/materials.h"
 #include "engine/scene/ownership.h"
 
 namespace mujoco_impact::engine {
@@ -40,10 +40,11 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
 // delivered, `fall` by how much less contacts close for being carried (size), `acceleration` what
 // other forces give them meanwhile (nv). `tangents` are those of the system, null without friction;
 // `impacts` has room for system.size.
-void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
-                   const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   const mjtNum* fall, const mjtNum* acceleration, Tangents* tangents,
-                   Budget& budget, mjtNum* stiffer, Impact* impacts, Scratch& scratch);
+void ResolveIsland(const mjModel* m, const Config& config, const Materials& materials,
+                   const Ownership& ownership, const IslandSystem& system, const ImpactTime& time,
+                   const mjtNum* velocity, const mjtNum* fall, const mjtNum* acceleration,
+                   Tangents* tangents, Budget& budget, mjtNum* stiffer, Impact* impacts,
+                   Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 
