@@ -58,9 +58,13 @@ bool WarnOfConflict(const mjModel* m, int instance) {
 bool WarnOfAssignment(const mjModel* m, int instance, const Config& config) {
   const AssignmentFault fault = FindAssignmentFault(m, instance, config);
   if (!fault.reason) return false;
-  mju_warning("%s: the number (prm) of geom '%s' in the tuple '%s' is refused; allowed: %s",
-              kPluginName, fault.geom < 0 ? "" : Name(m, mjOBJ_GEOM, fault.geom),
-              Name(m, mjOBJ_PLUGIN, instance), fault.reason);
+  const char* name = Name(m, mjOBJ_PLUGIN, instance);
+  if (fault.geom < 0) {
+    mju_warning("%s: the instance '%s' has materials, and %s", kPluginName, name, fault.reason);
+  } else {
+    mju_warning("%s: the number (prm) of geom '%s' in the tuple '%s' is refused; allowed: %s",
+                kPluginName, Name(m, mjOBJ_GEOM, fault.geom), name, fault.reason);
+  }
   return true;
 }
 

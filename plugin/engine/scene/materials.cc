@@ -105,7 +105,7 @@ AssignmentFault FindAssignmentFault(const mjModel* m, int instance, const Config
   const int count = CountEntries(config.materials);
   const TupleElements elements = ElementsOf(m, instance);
   if (count == 0) return {-1, nullptr};
-  if (elements.size == 0) return {-1, "a tuple of that name, whose numbers are of materials"};
+  if (elements.size == 0) return {-1, "no tuple of its name says which geoms are of them"};
   for (int i = 0; i < elements.size; ++i) {
     const mjtNum number = elements.number[i];
     if (number != std::round(number) || std::abs(number) > count) {

@@ -66,6 +66,7 @@ class Judge:
             poisson=_number_setting(law, "poisson", DEFAULT_POISSON),
             friction=law.get("friction", "none") != "none",
             hertz=law.get("law", "hertz") == "hertz",
+            uniform="materials" not in law,
         )
         fastest = max((one.closing_speed for one in motion.impacts), default=0.0)
         rest = rest_speed(self._plain, motion)
