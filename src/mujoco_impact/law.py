@@ -382,6 +382,8 @@ def _check_loss(restitution: Array, dissipation: str, tolerance: float) -> None:
         raise LawError(msg)
     low = 0.05 if dissipation == "viscous" else 0.0
     if not np.all((low <= restitution) & (restitution <= 1)):
-        raise LawError(f"restitution = {restitution}; allowed: [{low}, 1]")
+        values = np.unique(restitution)
+        shown = values[0] if len(values) == 1 else restitution
+        raise LawError(f"restitution = {shown}; allowed: [{low}, 1]")
     if not 1e-12 <= tolerance <= 1e-2:
         raise LawError(f"tolerance = {tolerance}; allowed: [1e-12, 1e-2]")
