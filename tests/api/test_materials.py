@@ -18,7 +18,7 @@ TABLE = """
 <mujoco model="table">
   <option timestep=".002"/>
   <worldbody>
-    <geom name="table" type="plane" size="1 1 .1"/>
+    <geom name="table" type="box" size="1 1 .1" pos="0 0 -.1"/>
     <geom name="paint" type="plane" size="1 1 .1" contype="0" conaffinity="0"/>
     {open}
     <body name="one" pos="0 0 .13"><freejoint/><geom name="ball_a" size=".03"/></body>
