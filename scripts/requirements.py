@@ -1,9 +1,9 @@
 """Prints the requirements of a pyproject.toml, extras included, one a line.
 
-    requirements.py PYPROJECT [EXTRA]    with EXTRA, only those of that extra
+    requirements.py PYPROJECT [GROUP]    with GROUP, those of that dependency group
 
 Used by `scripts/setup`, which installs the project against a MuJoCo of its own choice
-and so cannot let pip read them.
+and so cannot let pip read them, and by scripts that install a group of their own.
 """
 
 import sys
@@ -15,20 +15,15 @@ else:
     from pip._vendor import tomli as tomllib
 
 
-def requirements(text: str, extra: str | None = None) -> list[str]:
-    """Returns run-time requirements and those of all extras, or those of one extra."""
-    project = tomllib.loads(text)["project"]
-    extras = project.get("optional-dependencies", {})
-    if extra is not None:
-        return list(extras[extra])
-    wanted = [extra for extra in extras if extra not in OPTIONAL]
-    return project["dependencies"] + [
-        line for extra in wanted for line in extras[extra]
-    ]
+def requirements(text: str, group: str | None = None) -> list[str]:
+    """Returns run-time requirements and those of all extras, or those of one group."""
+    settings = tomllib.loads(text)
+    if group is not None:
+        return list(settings["dependency-groups"][group])
+    project = settings["project"]
+    extras = project["optional-dependencies"].values()
+    return project["dependencies"] + [line for extra in extras for line in extra]
 
-
-OPTIONAL = ("docs", "peers")
-"""Extras that no test needs."""
 
 if __name__ == "__main__":
     pyproject, *chosen = sys.argv[1:]

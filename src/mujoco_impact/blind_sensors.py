@@ -17,8 +17,8 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from mujoco_impact.encounters import Flags, Numbers, meetings
 from mujoco_impact.errors import ImpactWarning
+from mujoco_impact.verdict.encounters import Flags, Numbers, meetings
 
 SENSOR = mujoco.mjtSensor
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from mujoco_impact import metrics
 from mujoco_impact.comparing.first_impact import FirstImpact
+from mujoco_impact.comparing.pendulums import PendulumRow
 from mujoco_impact.comparing.references import ImpactReference
 from mujoco_impact.comparing.survey import Survey
-from mujoco_impact.pendulums import PendulumRow
 from mujoco_impact.reference import ReferenceTrajectory
 from mujoco_impact.remarks import Remark
 from mujoco_impact.trajectory import Array, Trajectory
@@ -133,7 +133,7 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         """Returns what a notebook shows."""
-        from mujoco_impact.html_reprs import comparison_html
+        from mujoco_impact.report.notebook import comparison_html
 
         return comparison_html(self)
 

@@ -14,9 +14,10 @@ from mujoco_impact.impact import Impact
 
 SMALL = 0.1
 """Impacts below this part of the fastest closing speed, and of the largest impulse, are
-small: three or more of the same two geoms in a row are told in one line."""
+small. A comparison counts by the speed alone: MuJoCo's contacts tell no impulse."""
 
 FEWEST = 3
+"""So many small impacts of the same two geoms in a row are told in one line."""
 
 QUIET = 3.0
 """A row of small impacts has ended if nothing followed for so many of its intervals."""
@@ -88,7 +89,7 @@ def listed(
     meetings = met(impacts, timestep)
     if not meetings:
         return [], []
-    speed = SMALL * max(one.closing_speed for one in meetings)
+    speed = small_speed(impacts)
     impulse = SMALL * max(one.impulse for one in meetings)
     pairs: dict[frozenset[str], list[Meeting]] = defaultdict(list)
     for one in meetings:
@@ -103,6 +104,11 @@ def listed(
     large.sort(key=lambda one: one.time)
     rows.sort(key=lambda one: one.begin)
     return large, rows
+
+
+def small_speed(impacts: Iterable[Impact]) -> float:
+    """Returns the closing speed below which an impact of a run is small [m/s]."""
+    return SMALL * max((one.closing_speed for one in impacts), default=0.0)
 
 
 def met(impacts: Iterable[Impact], timestep: float) -> list[Meeting]:

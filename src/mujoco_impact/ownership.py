@@ -15,8 +15,8 @@ import mujoco
 import numpy as np
 
 from mujoco_impact.errors import SceneError
-from mujoco_impact.hints import closest
 from mujoco_impact.instances import our_instances
+from mujoco_impact.text import closest
 
 GAP_SIZE_FRACTION = 0.5
 """Smallest default gap, as a fraction of the smallest owned geom's half-width."""

@@ -18,10 +18,8 @@ import numpy.typing as npt
 from mujoco.rollout import Rollout
 
 from mujoco_impact import _plugin
-from mujoco_impact.encounters import owned_numbers
 from mujoco_impact.errors import ImpactWarning, SceneError, SimulationError
-from mujoco_impact.fast_bodies import FastBodies
-from mujoco_impact.limits import check_recording
+from mujoco_impact.recordings import check_recording
 from mujoco_impact.runner import (
     Model,
     collected_warnings,
@@ -31,6 +29,8 @@ from mujoco_impact.runner import (
 )
 from mujoco_impact.starts import Keyframe, keyframe_names, settled
 from mujoco_impact.trajectory import Array
+from mujoco_impact.verdict.encounters import owned_numbers
+from mujoco_impact.verdict.fast_bodies import FastBodies
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 """What the states of a rollout hold: time, positions, velocities, activations and the

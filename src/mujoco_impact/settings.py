@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from mujoco_impact.errors import ConfigError
-from mujoco_impact.hints import closest
+from mujoco_impact.text import closest
 
 Setting: TypeAlias = str | float | bool | Iterable[float]
 """A value of one setting: text, a number, a flag or a list of numbers."""

@@ -13,9 +13,9 @@ import cradle_models
 from mujoco_impact import _plugin
 from mujoco_impact.errors import SceneError
 from mujoco_impact.files import quoted, read_text
-from mujoco_impact.hints import closest
 from mujoco_impact.instances import check_named
 from mujoco_impact.specifications import copy_spec, one_line
+from mujoco_impact.text import closest
 
 LONGEST_PATH = 300
 """Most characters of a path in a message: it may be any text."""

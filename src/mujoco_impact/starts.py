@@ -13,7 +13,7 @@ from typing import TypeAlias
 import mujoco
 
 from mujoco_impact.errors import SceneError
-from mujoco_impact.hints import closest
+from mujoco_impact.text import closest
 
 RELEASE = "release"
 """Keyframe that a run starts from if no other is asked for."""

@@ -16,7 +16,6 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from mujoco_impact.archive import AnyArray, read_arrays
 from mujoco_impact.errors import MissingExtraError, TrajectoryError
 from mujoco_impact.files import replacing
 from mujoco_impact.impact import (
@@ -27,6 +26,7 @@ from mujoco_impact.impact import (
     impacts_table,
     numbers_of,
 )
+from mujoco_impact.recordings import AnyArray, read_arrays
 from mujoco_impact.remarks import NATIVE, NO_IMPACT, Remark
 
 Array: TypeAlias = npt.NDArray[np.float64]
@@ -102,7 +102,7 @@ class Trajectory:
 
     def _repr_html_(self) -> str:
         """Returns what a notebook shows."""
-        from mujoco_impact.html_reprs import trajectory_html
+        from mujoco_impact.report.notebook import trajectory_html
 
         return trajectory_html(self)
 
@@ -160,7 +160,7 @@ class Trajectory:
         Raises:
             MissingExtraError: If matplotlib is not installed.
         """
-        from mujoco_impact.plot_trajectory import plot_trajectory
+        from mujoco_impact.plot.trajectory import plot_trajectory
 
         return plot_trajectory(self, path)
 

@@ -109,6 +109,12 @@ def test_doctor_tells_what_is_missing(
         (("run", "row_3", "--set", "yong=1"), "did you mean 'young'"),
         (("run", "row_3", "--set", "young=-1"), "'young' = '-1'"),
         (("run", "row_3", "--set", "young"), "must be KEY=VALUE"),
+        (
+            ("run", "row_3", "--set", "friction=0.3"),
+            "friction=0.3: must be coulomb, by MuJoCo's contacts | none | paper; "
+            "coefficients are those of the scene",
+        ),
+        (("run", "row_3", "--speed", "-1"), "--speed -1.0: must be a speed > 0"),
         (("run", "row_3", "--keyframe", "top"), "no keyframe 'top'"),
         (("run", "row_3", "--duration", "-1"), "duration = -1.0"),
         (("run", "row_3", "--native", "--set", "young=1"), "have no effect on"),

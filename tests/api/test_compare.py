@@ -12,9 +12,9 @@ import pytest
 import cradle_models
 from mujoco_impact import compare
 from mujoco_impact.baselines import baselines
+from mujoco_impact.comparing.pendulums import find_row
 from mujoco_impact.comparison import OURS, Comparison
 from mujoco_impact.errors import SceneError
-from mujoco_impact.pendulums import find_row
 from mujoco_impact.plot import plot_comparison
 
 METHODS = [

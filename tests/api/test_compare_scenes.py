@@ -12,9 +12,9 @@ import pytest
 from typer.testing import CliRunner
 
 import mujoco_impact.comparing.compare as comparing_module
-from mujoco_impact import Comparison, compare, tables
-from mujoco_impact.cli import app
-from mujoco_impact.cli.console import PlainConsole
+from mujoco_impact import Comparison, compare
+from mujoco_impact.cli import app, tables
+from mujoco_impact.cli.output import PlainConsole
 from mujoco_impact.comparison import AS_IS, OURS
 from mujoco_impact.errors import ComparisonInterrupted, SceneError
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from mujoco_impact import attach, run
+from mujoco_impact import attach, compare, run
 from mujoco_impact.impact import Impact
 from mujoco_impact.impact_list import listed
 
@@ -37,6 +37,9 @@ def test_a_ball_that_bounces_out_is_a_few_impacts_and_one_line() -> None:
     assert len(motion.impacts) == len(large) + small.count
     assert small.over
     assert f"comes to rest at {motion.impacts[-1].time:.3f} s" in str(small)
+    # a comparison counts those that a run lists, one by one
+    compared = compare(BALL, duration=3.0, repeats=1, settings={"restitution": 0.6})
+    assert compared.table()[0]["impacts"] == len(large)
 
 
 def test_points_of_a_step_are_one_impact_and_few_small_ones_stay() -> None:

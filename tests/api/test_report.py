@@ -15,7 +15,6 @@ from typer.testing import CliRunner, Result
 
 from mujoco_impact.cli import app
 from mujoco_impact.errors import RenderingError
-from mujoco_impact.report.tables import of_markdown
 from mujoco_impact.video import opengl
 
 pytest.importorskip("bokeh")
@@ -48,7 +47,6 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
             "compare row_3 --duration .5 --html compare.html",
             "compare drop.xml --duration .5 --html drop.html",
             "stress drop.xml --duration .3 --html stress.html",
-            "stress --cases 2 --html sweep.html",
             "shots AAB --count 8",
             "calibrate shots.csv --folds 0 --html calibrate.html",
         ):
@@ -57,7 +55,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-ALL = ("run", "compare", "drop", "stress", "sweep", "calibrate")
+ALL = ("run", "compare", "drop", "stress", "calibrate")
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -80,29 +78,6 @@ def test_the_run_page_holds_the_impacts(pages: Path) -> None:
     assert "<dd>restitution=.8</dd>" in text
     # the name of the scene is text, and no tag
     assert "<title>drop &lt;b&gt;: 0.6 s</title>" in text
-
-
-def test_markdown_becomes_html() -> None:
-    text = """
-## Title `x`
-
-A <line>
-of text.
-
-* one
-* two
-
-| a | b |
-| --- | --- |
-| word | 1 |
-"""
-    assert of_markdown(text) == (
-        "<h3>Title <code>x</code></h3><p>A &lt;line&gt; of text.</p>"
-        "<ul><li>one</li><li>two</li></ul>"
-        '<div class="wide"><table><thead><tr><th class="text">a</th><th >b</th></tr>'
-        '</thead><tbody><tr><td class="text">word</td><td >1</td></tr></tbody></table>'
-        "</div>"
-    )
 
 
 def test_without_bokeh_the_remedy_is_told_first(
@@ -189,9 +164,10 @@ def opened(browser: Any, page: Path) -> list[float]:
     )
 
 
-@pytest.mark.parametrize(("name", "plots"), [("run", 4), ("compare", 9), ("drop", 8),
-                                             ("stress", 3), ("sweep", 1),
-                                             ("calibrate", 2)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "plots"),
+    [("run", 4), ("compare", 9), ("drop", 8), ("stress", 3), ("calibrate", 2)],
+)
 def test_a_browser_shows_the_plots_without_an_error(
     browser: Any, pages: Path, name: str, plots: int
 ) -> None:

@@ -11,8 +11,8 @@ import pytest
 import cradle_models
 from mujoco_impact import Trajectory, attach, run
 from mujoco_impact.errors import ConfigError, ImpactWarning, SimulationError
-from mujoco_impact.free_flight import FreeRotation
 from mujoco_impact.remarks import ENERGY, FAST, NO_IMPACT, PASSING
+from mujoco_impact.verdict.free_flight import FreeRotation
 
 SHOT = """
 <mujoco>

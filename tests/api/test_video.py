@@ -322,6 +322,7 @@ def test_the_command_compares(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         (["--out", "x.avi"], "must end in"),
         (["--camera", "x"], "there is no camera 'x'"),
         (["--geoms", "x"], "there is no geom 'x'"),
+        (["--closing-speed", "0"], "--closing-speed 0.0: must be a speed > 0 [m/s]"),
     ],
 )
 @pytest.mark.usefixtures("gl")

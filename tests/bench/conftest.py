@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mujoco_impact.bench.library import LIBRARY_VARIABLE
+from mujoco_impact_lab.bench.library import LIBRARY_VARIABLE
 
 ROOT = Path(__file__).parents[2]
 

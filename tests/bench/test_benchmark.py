@@ -12,8 +12,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from mujoco_impact import cli
-from mujoco_impact.bench import (
+from mujoco_impact.errors import ConfigError, SceneError
+from mujoco_impact.runner import initial_data, load_model
+from mujoco_impact.scene import attach
+from mujoco_impact_lab.__main__ import app
+from mujoco_impact_lab.bench import (
     benchmark,
     measure,
     mujoco_methods,
@@ -21,17 +24,14 @@ from mujoco_impact.bench import (
     step_cases,
     steps,
 )
-from mujoco_impact.bench.benchmark import choose_methods, run_benchmark
-from mujoco_impact.bench.library import LIBRARY_VARIABLE
-from mujoco_impact.bench.mujoco_methods import DEFAULT, OURS
-from mujoco_impact.bench.points import Point
-from mujoco_impact.bench.results import points_from_csv, read_results
-from mujoco_impact.bench.scenes import SCENES, choose_scenes
-from mujoco_impact.bench.simulate import START
-from mujoco_impact.bench.truths import Truth, row_errors, truth_of
-from mujoco_impact.errors import ConfigError, SceneError
-from mujoco_impact.runner import initial_data, load_model
-from mujoco_impact.scene import attach
+from mujoco_impact_lab.bench.benchmark import choose_methods, run_benchmark
+from mujoco_impact_lab.bench.library import LIBRARY_VARIABLE
+from mujoco_impact_lab.bench.mujoco_methods import DEFAULT, OURS
+from mujoco_impact_lab.bench.points import Point
+from mujoco_impact_lab.bench.results import points_from_csv, read_results
+from mujoco_impact_lab.bench.scenes import SCENES, choose_scenes
+from mujoco_impact_lab.bench.simulate import START
+from mujoco_impact_lab.bench.truths import Truth, row_errors, truth_of
 
 # Velocities after the first impact over the impact speed, from integrations of the
 # Hertz contacts by other programs (four published digits).
@@ -67,7 +67,7 @@ def test_command_writes_everything(tmp_path: Path) -> None:
     """One scene, two methods: CSV, JSON, a chart; ours is right."""
     out, document = tmp_path / "out", tmp_path / "copy.json"
     ran = CliRunner().invoke(
-        cli.app,
+        app,
         [
             "bench", "--quick", "--no-steps", "--scenes", "S1",
             "--methods", f"{OURS},{DEFAULT}", "--out", str(out),
@@ -133,7 +133,7 @@ def test_sequential_swing_keeps_its_energy(truth: Truth) -> None:
 
 def test_error_of_the_truth_is_zero(truth: Truth) -> None:
     """What is measured is the difference from the reference and nothing else."""
-    from mujoco_impact.bench.samples import Samples
+    from mujoco_impact_lab.bench.samples import Samples
 
     times = np.arange(1501) * 0.002
     samples = Samples(times, *truth.motion(times))
@@ -292,7 +292,7 @@ def test_other_engines_swing_like_the_reference(
 ) -> None:
     """Before the first impact: same masses, lengths and signs as ours."""
     pytest.importorskip(module)
-    from mujoco_impact.bench.truths import corrected
+    from mujoco_impact_lab.bench.truths import corrected
 
     (family,) = choose_methods([method])
     quick = next(one for one in family.candidates if one.quick)
@@ -308,7 +308,7 @@ def test_other_engines_swing_like_the_reference(
 
 def test_what_was_measured_is_kept_on_control_c(monkeypatch, tmp_path):
     """The scenes that are done are written; exit code 130."""
-    from mujoco_impact.bench import benchmark as module
+    from mujoco_impact_lab.bench import benchmark as module
 
     usual = module._scene_points
 
@@ -319,7 +319,7 @@ def test_what_was_measured_is_kept_on_control_c(monkeypatch, tmp_path):
 
     monkeypatch.setattr(module, "_scene_points", stop)
     done = CliRunner().invoke(
-        cli.app,
+        app,
         ["bench", "--quick", "--scenes", "S1,S2", "--methods", "ours", "--out",
          str(tmp_path)],
     )  # fmt: skip

@@ -6,11 +6,11 @@ import pytest
 
 pytest.importorskip("dm_control")
 pytest.importorskip("gymnasium")
-from mujoco_impact.bench.environment_steps import STOCK, step_costs
-from mujoco_impact.bench.environments import write
-from mujoco_impact.bench.machine import machine, versions
-from mujoco_impact.bench.rollout_throughput import throughput
 from mujoco_impact.envs import ALL_TASKS
+from mujoco_impact_lab.bench.environment_steps import STOCK, step_costs
+from mujoco_impact_lab.bench.environments import write
+from mujoco_impact_lab.bench.machine import machine, versions
+from mujoco_impact_lab.bench.rollout_throughput import throughput
 
 
 def test_results_of_rollouts_do_not_depend_on_threads():

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mujoco_impact.bench.points import Point, front, front_of
+from mujoco_impact_lab.bench.points import Point, front, front_of
 
 # few different values, so that ties are common
 VALUES = st.sampled_from([0.0, 1.0, 2.0, 3.0, 5.0, math.inf, math.nan])

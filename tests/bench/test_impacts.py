@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from mujoco_impact.bench import impacts
 from mujoco_impact.errors import SimulationError
+from mujoco_impact_lab.bench import impacts
 
 pytestmark = pytest.mark.usefixtures("library")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mujoco_impact.bench.instructions import InstructionsError, count_instructions
+from mujoco_impact_lab.bench.instructions import InstructionsError, count_instructions
 
 FAKE = """#!/bin/sh
 echo "==1== Collected : 5000" >&2

@@ -12,11 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.console import Console
 
-from mujoco_impact.bench.impacts import ImpactTimes, WaveTimes
-from mujoco_impact.bench.machine import machine
-from mujoco_impact.bench.output import show
-from mujoco_impact.bench.points import Point
-from mujoco_impact.bench.results import (
+from mujoco_impact_lab.bench.impacts import ImpactTimes, WaveTimes
+from mujoco_impact_lab.bench.machine import machine
+from mujoco_impact_lab.bench.output import show
+from mujoco_impact_lab.bench.points import Point
+from mujoco_impact_lab.bench.results import (
     Results,
     ResultsError,
     points_from_csv,
@@ -24,7 +24,7 @@ from mujoco_impact.bench.results import (
     read_results,
     write_results,
 )
-from mujoco_impact.bench.steps import StepTimes
+from mujoco_impact_lab.bench.steps import StepTimes
 
 # six digits are kept, so numbers of six digits come back as they were
 NUMBERS = st.one_of(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from mujoco_impact.bench.mujoco_methods import DEFAULT, OURS
-from mujoco_impact.bench.points import Point
-from mujoco_impact.bench.summary import Summary, summarize
+from mujoco_impact_lab.bench.mujoco_methods import DEFAULT, OURS
+from mujoco_impact_lab.bench.points import Point
+from mujoco_impact_lab.bench.summary import Summary, summarize
 
 
 def point(method: str, cost: float, error: float, setting: str = "defaults") -> Point:

@@ -17,11 +17,11 @@ from mujoco_impact.calibration import (
     write_parameters,
     write_shots,
 )
-from mujoco_impact.calibration.coverage import coverage
 from mujoco_impact.calibration.grid import axes
 from mujoco_impact.calibration.objective import Candidates, Objective
 from mujoco_impact.calibration.search import GridEvaluation, search
 from mujoco_impact.errors import ConfigError
+from mujoco_impact_lab.coverage import coverage
 
 # velocities after the first impact over that of ball 1, Hertz contacts, e = 1
 # (DOP853, 1e-12; BBB is AAA): P_12 / p = 1 - v_1, P_23 / p = v_3 m_3 / m_1

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from mujoco_impact.bench.page import BEGIN, END, main, page_table, with_table
-from mujoco_impact.bench.points import Point
-from mujoco_impact.bench.results import ResultsError, points_from_csv, read_results
-from mujoco_impact.bench.summary import summarize
+from mujoco_impact_lab.bench.page import BEGIN, END, page_table, with_table, write_table
+from mujoco_impact_lab.bench.points import Point
+from mujoco_impact_lab.bench.results import ResultsError, points_from_csv, read_results
+from mujoco_impact_lab.bench.summary import summarize
 
 ROOT = Path(__file__).parents[2]
 BENCHMARKS = ROOT / "docs" / "benchmarks"
@@ -58,7 +58,7 @@ def test_only_the_table_of_a_page_is_written(tmp_path):
     file = tmp_path / "page.md"
     file.write_text(f"before\n\n{BEGIN}\nold\n{END}\nafter\n")
     for _ in range(2):
-        main(str(BENCHMARKS / "results.csv"), str(file))
+        write_table(BENCHMARKS / "results.csv", file)
         table = page_table(committed())
         assert file.read_text() == f"before\n\n{BEGIN}\n{table}{END}\nafter\n"
 

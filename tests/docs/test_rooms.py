@@ -51,3 +51,18 @@ def test_only_the_step_knows_of_pulses_that_last() -> None:
         if '#include "engine/pulses/' in file.read_text(encoding="utf-8")
     }
     assert users <= {"pulses", "engine"}
+
+
+def test_the_walk_with_one_contact_goes_through_ten_files_at_most() -> None:
+    """They are there, and what the page names elsewhere is, too."""
+    page = (ROOT / "docs" / "design.md").read_text(encoding="utf-8")
+    walk = page.split("## A walk with one contact")[1].split("\n## ")[0]
+    files = re.findall(r"^\| \d+ \| `([\w/.]+)` \|", walk, re.MULTILINE)
+    assert 5 < len(files) <= 10
+    named = re.findall(r"`([\w/]+\.(?:cc|h))`", page)
+    missing = [
+        name
+        for name in named
+        if not any((top / name).exists() for top in (ENGINE, ENGINE.parent, ROOT))
+    ]
+    assert missing == []

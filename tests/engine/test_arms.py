@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from shapes import INTEGRATORS
 
-from mujoco_impact.energies import find_energies
+from mujoco_impact.recorder import find_energies
 from mujoco_impact.scene import attach
 
 

@@ -8,7 +8,7 @@ import pytest
 from scenes import step_to_impact, step_until_delivered
 
 import mujoco_impact
-from mujoco_impact.energies import find_energies
+from mujoco_impact.recorder import find_energies
 from mujoco_impact.scene import attach
 
 SHAPES = {

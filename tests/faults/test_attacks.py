@@ -258,7 +258,7 @@ def test_a_trajectory_with_an_array_twice_is_refused(motion):
 
 def test_a_trajectory_larger_than_any_run_is_refused(motion, monkeypatch):
     """Zeros take a thousandth of their size in a compressed file."""
-    monkeypatch.setattr("mujoco_impact.archive.LARGEST_RECORDING", 10_000)
+    monkeypatch.setattr("mujoco_impact.recordings.LARGEST_RECORDING", 10_000)
     path = with_array(motion, "qpos", array_file(np.zeros((101, 1000))))
     with pytest.raises(TrajectoryError, match=r"its arrays have 8\.\d+e\+05 bytes"):
         Trajectory.load(path)
@@ -365,19 +365,10 @@ def test_numbers_that_attack_are_refused(case):
     assert files() == []
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ("shots", "AAA", "--seed", "-1"),
-        ("stress", "--seed", "-1"),
-        ("stress", "--cases", "0"),
-        ("stress", "--processes", "0"),
-    ],
-)
-def test_numbers_out_of_range_name_their_option(arguments):
-    result = command(*arguments)
+def test_numbers_out_of_range_name_their_option():
+    result = command("shots", "AAA", "--seed", "-1")
     assert result.exit_code == 2
-    assert arguments[-2] in result.stderr
+    assert "--seed" in result.stderr
 
 
 def test_rollouts_larger_than_memory_are_refused():

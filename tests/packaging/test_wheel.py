@@ -53,9 +53,27 @@ def test_it_holds_the_library_the_models_and_the_entry_points(installed):
     assert {f"cradle_models/{name}.xml" for name in cradle_models.list_models()} < names
     assert "[mujoco.plugins]\nmujoco_impact = mujoco_impact._plugin:load" in text
     assert "mujoco-impact = mujoco_impact.cli:main" in text
-    # sources of the library and tests stay in the source tree
+    # sources of the library, tests, and what only the project runs stay in the clone
     assert not [name for name in names if name.endswith((".cc", ".h"))]
-    assert not [name for name in names if name.startswith("tests")]
+    folders = {name.split("/")[0] for name in names}
+    assert {one for one in folders if not one.endswith(".dist-info")} == {
+        "mujoco_impact",
+        "cradle_models",
+    }
+
+
+def test_extras_are_what_users_may_need(installed):
+    """What the project needs for itself are groups, which a wheel does not name."""
+    with zipfile.ZipFile(installed.wheel) as wheel:
+        (file,) = (name for name in wheel.namelist() if name.endswith("/METADATA"))
+        text = wheel.read(file).decode()
+    assert set(re.findall(r"^Provides-Extra: (\S+)$", text, re.M)) == {
+        "plot",
+        "report",
+        "video",
+        "dm-control",
+        "gymnasium",
+    }
 
 
 def test_one_wheel_serves_every_python_of_a_platform(installed):

@@ -1,11 +1,12 @@
 """Every random scene that once broke a promise keeps them all now.
 
-By what was wrong. A seed is a scene: `mujoco-impact stress --seed N` tells more.
+By what was wrong. A seed is a scene: `python -m mujoco_impact_lab stress --seed N`
+tells more.
 """
 
 import pytest
 
-from mujoco_impact.stress import OURS, case_of, judge
+from mujoco_impact_lab.stress import OURS, case_of, judge
 
 FOUND = {
     # pulses longer than a step, whose lines of action turn with the balls

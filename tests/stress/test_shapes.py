@@ -7,14 +7,14 @@ import mujoco
 import numpy as np
 import pytest
 
-from mujoco_impact.stress import DEFAULTS, OURS, SHAPES, judge, shrunk, sweep
-from mujoco_impact.stress.case import INTEGRATORS
-from mujoco_impact.stress.promises import Invariant
-from mujoco_impact.stress.shapes import Case, Evidence, Tree, case_of, scene_of
-from mujoco_impact.stress.shapes.case import FLOORS, JOINTS
-from mujoco_impact.stress.shapes.case import SHAPES as GEOMS
-from mujoco_impact.stress.shapes.invariants import GROWTH
-from mujoco_impact.stress.shapes.stretches import stretches
+from mujoco_impact_lab.stress import DEFAULTS, OURS, SHAPES, judge, shrunk, sweep
+from mujoco_impact_lab.stress.case import INTEGRATORS
+from mujoco_impact_lab.stress.promises import Invariant
+from mujoco_impact_lab.stress.shapes import Case, Evidence, Tree, case_of, scene_of
+from mujoco_impact_lab.stress.shapes.case import FLOORS, JOINTS
+from mujoco_impact_lab.stress.shapes.case import SHAPES as GEOMS
+from mujoco_impact_lab.stress.shapes.invariants import GROWTH
+from mujoco_impact_lab.stress.shapes.stretches import stretches
 
 BY_NAME = {invariant.name: invariant for invariant in SHAPES.invariants}
 

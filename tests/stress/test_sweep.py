@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mujoco_impact.stress import (
+from mujoco_impact_lab.stress import (
     DEFAULTS,
     INVARIANTS,
     OURS,
@@ -19,7 +19,7 @@ from mujoco_impact.stress import (
     summarise,
     sweep,
 )
-from mujoco_impact.stress.case import INTEGRATORS, LAYOUTS
+from mujoco_impact_lab.stress.case import INTEGRATORS, LAYOUTS
 
 BY_NAME = {invariant.name: invariant for invariant in INVARIANTS}
 

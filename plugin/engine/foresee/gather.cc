@@ -192,8 +192,10 @@ Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership,
   std::fill_n(gathered.idle, count, false);
   for (int k = 0; k < count; ++k) {
     const mjContact& contact = *owned[k];
-    gathered.farthest = std::max(gathered.farthest, contact.dist);
     gathered.lowest[k] = LowestGap(m, d, contact, state.mocap(), kick);
+    // what closed late is looked for where it was before the step
+    const mjtNum back = kLatest * (contact.dist - gathered.lowest[k]);
+    gathered.farthest = std::max(gathered.farthest, contact.dist + back);
   }
   for (int k = 0; k < count; ++k) {
     const int i = static_cast<int>(owned[k] - d->contact);
@@ -234,7 +236,9 @@ bool FindDue(const mjModel* m, mjData* d, const Outlook& outlook, mjtNum touch, 
     gathered.due[k] = false;
     if (!gathered.relevant[k] || gathered.idle[k]) continue;
     // the bodies are still where MuJoCo found the contact: its velocities tell, and the pulses'
-    if (outlook.start == 0 && gathered.lowest[k] >= -touch) continue;
+    if (outlook.start == 0 && gathered.lowest[k] >= -touch &&
+        !MayClose(m, d, contact, gathered.mocap, touch))
+      continue;
     const mjtNum since = FreeSince(m, contact, busy) - outlook.start;
     mjtNum tau;
     if (!IsDue(m, d, outlook, settled, touch, since, Anchor(m, d, gathered, k), &tau)) continue;

@@ -31,7 +31,7 @@ struct Gathered {
   int count, room;            // room: for points that are found later
   const mjContact** contact;  // where MuJoCo found them, or as they were found since
   mjContact* found;           // those, null if all follow from centres
-  mjtNum farthest;            // the largest distance of one of them at the start of the step [m]
+  mjtNum farthest;            // the largest distance of one of them when the first may close [m]
   int asked;                  // pairs of which the narrow phase was asked so far
   const MocapRecord* mocap;   // null if there is no such body
   const mjtNum* kick;         // what pulses add to the velocity in this step (nv), or null

@@ -14,6 +14,8 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+
 #include "engine/path/motion.h"
 #include "engine/path/point.h"
 #include "engine/path/rest.h"
@@ -26,12 +28,20 @@ namespace mujoco_impact::engine {
 mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& contact,
                     const MocapRecord* mocap);
 
-// Whether the contact may be deeper than `touch` at the end of the step; one that MuJoCo carries,
-// faster than at rest.
+// How far bodies that close with c at the start of the step may come in it, if that is an impact
+// [m]. They are pressed by some a, reach c + 3/2 a h by its end, and must be faster than
+// u_rest = 2 a h (rest.h) there: so a h ≤ 2 c, and c h + a h² ≤ 3 c h. Nor is u_rest more than its
+// largest, where a h is 1.5 g h.
+inline mjtNum FarthestImpact(const mjModel* m, const mjData* d, mjtNum c) {
+  return std::min(3 * c, c + LargestRestSpeed(m, d) / 2) * m->opt.timestep;
+}
+
+// Whether the contact may close as an impact by the end of the step; one that MuJoCo carries, if it
+// is faster than at rest.
 inline bool MayClose(const mjModel* m, const mjData* d, const mjContact& contact,
                      const MocapRecord* mocap, mjtNum touch) {
   const mjtNum c = ClosingSpeed(m, d, contact, mocap);
-  if (c <= 0 || contact.dist - c * m->opt.timestep >= -touch) return false;
+  if (c <= 0 || contact.dist - FarthestImpact(m, d, c) >= -touch) return false;
   return !IsCarried(contact) || c > LargestRestSpeed(m, d);
 }
 

@@ -9,7 +9,6 @@ from typing import Annotated, Any
 import typer
 
 from mujoco_impact.cli.attach import attach
-from mujoco_impact.cli.bench import bench
 from mujoco_impact.cli.calibrate import calibrate, shots
 from mujoco_impact.cli.compare import compare, demo
 from mujoco_impact.cli.doctor import doctor
@@ -51,8 +50,11 @@ COMMANDS: tuple[tuple[Callable[..., Any], str, str], ...] = (
     (shots, "shots AAB", "shots ABA --count 20 --error 0 --out shots.csv"),
     (paper, "paper", "paper --out tables.md"),
     (force_sensor, "force-sensor", "force-sensor --out figures"),
-    (bench, "bench --quick --scenes S1,S2", "bench --out benchmarks"),
-    (stress, "stress scene.xml --keyframe shot", "stress --family shapes --cases 50"),
+    (
+        stress,
+        "stress scene.xml --keyframe shot",
+        "stress row_5 --duration 0.5 --out report.md",
+    ),
     (doctor, "doctor", "doctor --json -"),
 )
 """Each command, and two examples that its help ends with."""

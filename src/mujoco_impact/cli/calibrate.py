@@ -9,7 +9,6 @@ import typer
 
 import cradle_models
 from mujoco_impact import calibration
-from mujoco_impact.cli.calibration_tables import combination_table, parameter_table
 from mujoco_impact.cli.options import JsonOption
 from mujoco_impact.cli.output import (
     check_outputs,
@@ -23,6 +22,7 @@ from mujoco_impact.cli.report import (
     check_report_options,
     command_line,
 )
+from mujoco_impact.cli.tables import combination_table, parameter_table
 from mujoco_impact.errors import ConfigError
 
 SeedOption = Annotated[

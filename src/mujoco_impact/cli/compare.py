@@ -10,7 +10,7 @@ import mujoco
 import typer
 from rich.table import Table
 
-from mujoco_impact import tables
+from mujoco_impact.cli import tables
 from mujoco_impact.cli.options import (
     DurationOption,
     FrictionOption,

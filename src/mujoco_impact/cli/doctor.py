@@ -6,7 +6,7 @@ import dataclasses
 
 import typer
 
-from mujoco_impact import tables
+from mujoco_impact.cli import tables
 from mujoco_impact.cli.options import JsonOption
 from mujoco_impact.cli.output import USER_ERROR, clean_errors, console_of, write_json
 from mujoco_impact.doctor import diagnose

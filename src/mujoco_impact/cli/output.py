@@ -13,22 +13,34 @@ from typing import Any
 import typer
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn
+from rich.text import Text
 
 import cradle_models
-from mujoco_impact.cli.console import PlainConsole
 from mujoco_impact.errors import ImpactError, ImpactWarning
 from mujoco_impact.files import check_writable, write_text
-from mujoco_impact.printable import printable
 from mujoco_impact.remarks import ENERGY, Remark
+from mujoco_impact.text import printable
 
 UNSOUND = 1
-"""Exit code when a run cannot be trusted."""
+"""Exit code when a run cannot be trusted, or a scene is not sound as it is."""
 
 USER_ERROR = 2
 """Exit code when the input or the installation is to blame."""
 
 INTERRUPTED = 130
 """Exit code when a command was interrupted by hand: 128 + SIGINT."""
+
+
+class PlainConsole(Console):
+    """A console that shows what would command the terminal as escape sequences."""
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Returns the text of a string or a cell of a table."""
+        return super().render_str(printable(text), **options)
+
+    def out(self, *objects: Any, **options: Any) -> None:
+        """Prints text without styles."""
+        super().out(*(printable(str(one)) for one in objects), **options)
 
 
 @contextlib.contextmanager

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import mujoco
 import typer
 
-from mujoco_impact import tables
+from mujoco_impact.cli import tables
 from mujoco_impact.cli.options import (
     DurationOption,
     FrictionOption,
@@ -48,7 +48,7 @@ from mujoco_impact.cli.scenes import (
     start_keyframe,
 )
 from mujoco_impact.errors import RunInterrupted, SimulationError
-from mujoco_impact.impact_files import check_impact_file, write_impacts
+from mujoco_impact.impact import check_impact_file, write_impacts
 from mujoco_impact.impact_list import listed
 from mujoco_impact.remarks import NO_IMPACT
 from mujoco_impact.runner import run as run_model

@@ -11,12 +11,12 @@ import mujoco
 from mujoco_impact.calibration.parameters import read_parameters
 from mujoco_impact.cli.options import STANDARD_INPUT
 from mujoco_impact.errors import ConfigError
-from mujoco_impact.hints import closest
 from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.scene import attach, detach
-from mujoco_impact.settings import attributes
+from mujoco_impact.settings import SETTINGS, attributes
 from mujoco_impact.source import read_spec
 from mujoco_impact.starts import Keyframe, settled
+from mujoco_impact.text import closest
 
 
 def read_scene(
@@ -46,16 +46,28 @@ def scene_of(
     native: bool,
     timestep: float | None = None,
     integrator: str | None = None,
+    speed_option: str = "--speed",
 ) -> mujoco.MjSpec:
     """Returns the scene to run, with the plugin or, `native`, without it.
 
     A scene that has the plugin already keeps it as it is.
+
+    Args:
+        model: File, name or "-".
+        settings: What `attach` is given.
+        native: Whether to leave all contacts to MuJoCo.
+        timestep: Instead of that of the model [s].
+        integrator: Instead of that of the model, as MJCF spells it.
+        speed_option: What the command calls the closing speed that is expected.
     """
     spec = read_scene(model, timestep=timestep, integrator=integrator)
     present = owned_geoms(spec)
     if settings and (present or native):
         reason = "it runs with --native" if native else "it has the plugin already"
-        msg = f"{_options_of(settings)} have no effect on {model!r}: {reason}"
+        given = _options_of(settings, speed_option)
+        raise ConfigError(f"{given} have no effect on {model!r}: {reason}")
+    if not 0 < settings.get("speed", 1.0) < float("inf"):
+        msg = f"{speed_option} {settings['speed']}: must be a speed > 0 [m/s]"
         raise ConfigError(msg)
     if native:
         return detach(spec) if present else spec
@@ -91,10 +103,25 @@ def parsed_settings(
             msg = f"--set {setting!r}: must be KEY=VALUE, such as restitution=0.9"
             raise ConfigError(msg)
         parsed[key.strip()] = value.strip()
+    _check_friction(parsed.get("friction", ""))
     # other arguments of `attach` are no settings
     attributes(parsed)
     given = {name: one for name, one in attach_options.items() if one is not None}
     return given | parsed
+
+
+def _check_friction(value: str) -> None:
+    """Raises ConfigError if a coefficient is given for the model of friction."""
+    try:
+        float(value)
+    except ValueError:
+        return
+    allowed = SETTINGS["friction"].partition(": ")[2]
+    msg = (
+        f"--set friction={value}: must be {allowed}; coefficients are those of the "
+        "scene, the attribute friction of its geoms"
+    )
+    raise ConfigError(msg)
 
 
 def geom_names(geoms: str | None) -> list[str] | None:
@@ -111,9 +138,10 @@ def start_keyframe(spec: mujoco.MjSpec, keyframe: str | None) -> Keyframe:
     return settled(names, asked)
 
 
-def _options_of(settings: dict[str, Any]) -> str:
+def _options_of(settings: dict[str, Any], speed_option: str) -> str:
     """Returns the options of the command line that gave these settings."""
-    others = [f"--{name}" for name in ("geoms", "gap", "speed") if name in settings]
+    options = {"geoms": "--geoms", "gap": "--gap", "speed": speed_option}
+    others = [option for name, option in options.items() if name in settings]
     given = ["--set, --params"] if len(settings) > len(others) else []
     return ", ".join(given + others)
 

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-import time
-from collections.abc import Callable
-from collections.abc import Set as AbstractSet
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import Annotated
 
 import typer
 
@@ -16,8 +13,10 @@ from mujoco_impact.cli.options import (
     KeyframeOption,
     SetOption,
     SpeedOption,
+    complete_model,
 )
 from mujoco_impact.cli.output import (
+    UNSOUND,
     check_outputs,
     clean_errors,
     console_of,
@@ -35,73 +34,20 @@ from mujoco_impact.errors import ConfigError
 from mujoco_impact.files import write_text
 from mujoco_impact.starts import start_told
 
-if TYPE_CHECKING:
-    from mujoco_impact.report import Page
-    from mujoco_impact.stress import Family
-
-Report: TypeAlias = "Callable[[Callable[[str], Page]], None]"
-"""Writes the page that a function makes of the command line."""
-
-VIOLATION = 1
-"""Exit code when a promise is broken within the documented limits, or a scene is not
-sound as it is."""
-
-
-_SCENE = frozenset(
-    {"duration", "keyframe", "settings", "speed", "out", "html", "json_file"}
-)
-_CASE = frozenset({"seed", "family", "shrink", "ours_only", "json_file"})
-_SWEEP = frozenset(
-    {
-        "family",
-        "cases",
-        "first",
-        "processes",
-        "ours_only",
-        "long",
-        "out",
-        "html",
-        "json_file",
-    }
-)
-
 
 def stress(
     context: typer.Context,
+    # not required: what is missing is told in a sentence
     model: Annotated[
         str | None,
         typer.Argument(
-            metavar="[MODEL]",
-            help="Scene to run in many ways: a model file, or a shipped model. "
-            "Without it, random scenes.",
+            metavar="MODEL",
+            help="Model file, name of a shipped model, or '-' for standard input.",
+            autocompletion=complete_model,
         ),
     ] = None,
-    family: Annotated[
-        str, typer.Option(help="Kind of random scenes: balls or shapes.")
-    ] = "balls",
-    cases: Annotated[int, typer.Option(min=1, help="Random scenes to judge.")] = 100,
-    first: Annotated[
-        int, typer.Option(min=0, help="Seed of the first random scene.")
-    ] = 0,
-    seed: Annotated[
-        int | None,
-        typer.Option(
-            min=0, help="Only the random scene of this seed, and what broke in it."
-        ),
-    ] = None,
-    shrink: Annotated[
-        bool,
-        typer.Option("--shrink", help="With --seed: also the simplest that breaks."),
-    ] = False,
-    processes: Annotated[int, typer.Option(min=1, help="Scenes to run at a time.")] = 1,
-    ours_only: Annotated[
-        bool, typer.Option("--ours-only", help="Leave MuJoCo's own contacts out.")
-    ] = False,
-    long: Annotated[
-        bool, typer.Option("--long", help="Also run cradles for an hour of motion.")
-    ] = False,
     duration: Annotated[
-        float, typer.Option(help="Simulated time of each run of MODEL [s].")
+        float, typer.Option(help="Simulated time of each run [s].")
     ] = 1.0,
     keyframe: KeyframeOption = None,
     settings: SetOption = None,
@@ -112,221 +58,64 @@ def stress(
     html: HtmlOption = None,
     json_file: JsonOption = None,
 ) -> None:
-    """Look for where impacts break: in random scenes, or in a scene of your own."""
+    """Look for where a scene of yours stops being sound."""
+    from mujoco_impact.stress.findings import (
+        StressInterrupted,
+        findings_table,
+        stress_scene,
+    )
+
     with clean_errors():
+        if model is None:
+            msg = (
+                "MODEL is missing: give a scene of yours, such as "
+                "`mujoco-impact stress scene.xml`; random scenes are run by "
+                "`scripts/stress` in a clone of the project"
+            )
+            raise ConfigError(msg)
         check_outputs(out, json_file)
         check_report_options(html)
-        if model is not None:
-            _refuse_other_options(context, {"model"} | _SCENE, "a scene of your own")
-            _stress_model(
-                model,
-                duration,
-                keyframe,
-                parsed_settings(settings, speed=speed),
-                out,
-                json_file,
-                report=_reported(context, html),
-            )
-        elif seed is not None:
-            _refuse_other_options(context, _CASE, "--seed")
-            _show_case(seed, _family(family), shrink, ours_only, json_file)
+        law = parsed_settings(settings, speed=speed)
+        scene = read_scene(model)
+        start = start_keyframe(scene, keyframe)
+        stopped = None
+        with progress(json_file) as tell:
+            try:
+                findings = stress_scene(
+                    scene,
+                    duration=duration,
+                    keyframe=start,
+                    settings=law,
+                    progress=tell,
+                )
+            except StressInterrupted as interrupted:
+                findings, stopped = interrupted.findings, interrupted
+        console = console_of(json_file)
+        text = findings_table(findings)
+        if out is not None:
+            write_text(out, f"# Stress report of {scene.modelname}\n\n{text}")
+            console.out(f"report: {out}")
         else:
-            _refuse_other_options(context, _SWEEP, "random scenes without --seed")
-            _sweep(_family(family), range(first, first + cases), processes, ours_only,
-                   long, out, json_file, report=_reported(context, html))  # fmt: skip
+            console.out(text)
+        if html is not None:
+            from mujoco_impact.report import write_page
+            from mujoco_impact.report.stress import scene_page
 
-
-def _reported(context: typer.Context, html: Path | None) -> Report | None:
-    """Returns what gets the command and writes a page; None if none is asked for."""
-    if html is None:
-        return None
-
-    def write(page_of: Callable[[str], Page]) -> None:
-        from mujoco_impact.report import write_page
-
-        write_page(page_of(command_line(context)), html)
-
-    return write
-
-
-def _refuse_other_options(
-    context: typer.Context, used: AbstractSet[str], mode: str
-) -> None:
-    """Refuses options of the command line that would have no effect."""
-    for option in context.command.params:
-        name = option.name or ""
-        source = context.get_parameter_source(name)
-        given = source is not None and source.name == "COMMANDLINE"
-        if given and name not in used:
-            msg = f"{option.opts[0]}: no effect on {mode}: leave it out"
-            raise ConfigError(msg)
-
-
-def _family(name: str) -> Family:
-    """Returns a family of random scenes by its name."""
-    from mujoco_impact.stress import FAMILIES
-
-    if name not in FAMILIES:
-        msg = f"family = {name!r}: must be one of {', '.join(FAMILIES)}"
-        raise ConfigError(msg)
-    return FAMILIES[name]
-
-
-def _sweep(
-    family: Family,
-    seeds: range,
-    processes: int,
-    ours_only: bool,
-    long: bool,
-    out: Path | None,
-    json_file: str | None,
-    *,
-    report: Report | None,
-) -> None:
-    """Judges random scenes and reports."""
-    from mujoco_impact import stress as stressing
-    from mujoco_impact.stress import markdown
-    from mujoco_impact.stress.long_runs import long_runs
-
-    console = console_of(json_file)
-    methods = (stressing.OURS,) if ours_only else family.methods
-    begin = time.perf_counter()
-    judged: list[stressing.Outcome] = []
-    stopped = False
-    with progress(json_file) as tell:
-
-        def one_more(outcome: stressing.Outcome) -> None:
-            judged.append(outcome)
-            tell(f"scene {len(judged)} of {len(seeds)}")
-            for verdict in outcome.verdicts:
-                if verdict.is_violation and verdict.method == stressing.OURS:
-                    console.out(f"{verdict.invariant}: {verdict.value:.3g} in")
-                    console.out(f"  {outcome.case.describe()}")
-
-        try:
-            outcomes = stressing.sweep(
-                seeds,
-                family=family,
-                methods=methods,
-                processes=processes,
-                progress=one_more,
+            facts = {
+                "start": start_told([key.name for key in scene.keys], start),
+                "duration": f"{duration:g} s each",
+                "settings": shown_settings(law),
+            }
+            page = scene_page(
+                findings,
+                scene=scene.modelname,
+                command=command_line(context),
+                facts=facts,
             )
-        except KeyboardInterrupt:
-            if not judged:
-                raise
-            outcomes, stopped = judged, True
-        elapsed = time.perf_counter() - begin
-        runs = long_runs(progress=tell) if long and not stopped else []
-    summary = stressing.summarise(outcomes, family)
-    text = markdown.section(family, summary, runs, elapsed)
-    if out is not None:
-        # the other families keep what they have in the report
-        before = out.read_text(encoding="utf-8") if out.exists() else ""
-        write_text(out, markdown.update(before, family, text))
-        console.out(f"report: {out}")
-    else:
-        console.out(text)
-    if report is not None:
-        from mujoco_impact.report.stresses import sweep_page
-
-        report(lambda command: sweep_page(summary, family, text, command=command))
-    write_json(json_file, dataclasses.asdict(summary))
-    broken = summary.violations(stressing.OURS)
-    console.out(
-        f"{summary.cases} scenes, {summary.impacts} impacts, {broken} violations"
-    )
-    if stopped:
-        raise KeyboardInterrupt(f"interrupted after {len(judged)} scenes")
-    if broken:
-        raise typer.Exit(VIOLATION)
-
-
-def _show_case(
-    seed: int, family: Family, shrink: bool, ours_only: bool, json_file: str | None
-) -> None:
-    """Shows one random scene and its verdicts."""
-    from mujoco_impact import stress as stressing
-
-    case = family.case_of(seed)
-    methods = (stressing.OURS,) if ours_only else None
-    outcome = stressing.judge(case, methods, family=family)
-    console = console_of(json_file)
-    console.out(case.describe())
-    if outcome.failure:
-        console.out(f"could not be run: {outcome.failure}")
-    for verdict in outcome.verdicts:
-        word = "holds" if verdict.holds else verdict.limit or "VIOLATED"
-        console.out(
-            f"{verdict.method:16} {verdict.invariant:16} {verdict.value:10.3g}  {word}"
-        )
-    broken = [
-        verdict.invariant
-        for verdict in outcome.verdicts
-        if verdict.is_violation and verdict.method == stressing.OURS
-    ]
-    if broken:
-        for line in family.story(family.evidence_of(case, stressing.OURS)):
-            console.out(line)
-    for invariant in broken if shrink else ():
-        simplest = stressing.shrunk(case, invariant, family)
-        console.out(f"the simplest found that breaks {invariant}: {simplest!r}")
-        for line in family.story(family.evidence_of(simplest, stressing.OURS)):
-            console.out(line)
-    write_json(json_file, dataclasses.asdict(outcome))
-
-
-def _stress_model(
-    model: str,
-    duration: float,
-    keyframe: str | None,
-    settings: dict[str, Any],
-    out: Path | None,
-    json_file: str | None,
-    *,
-    report: Report | None,
-) -> None:
-    """Runs a scene of the user in many ways and reports."""
-    from mujoco_impact import stress as stressing
-    from mujoco_impact.stress import markdown
-
-    scene = read_scene(model)
-    start = start_keyframe(scene, keyframe)
-    stopped = None
-    with progress(json_file) as tell:
-        try:
-            findings = stressing.stress_scene(
-                scene,
-                duration=duration,
-                keyframe=start,
-                settings=settings,
-                progress=tell,
-            )
-        except stressing.StressInterrupted as interrupted:
-            findings, stopped = interrupted.findings, interrupted
-    console = console_of(json_file)
-    text = markdown.findings_table(findings)
-    if out is not None:
-        write_text(out, f"# Stress report of {scene.modelname}\n\n{text}")
-        console.out(f"report: {out}")
-    else:
-        console.out(text)
-    if report is not None:
-        from mujoco_impact.report.stresses import scene_page
-
-        names = [key.name for key in scene.keys]
-        facts = {
-            "start": start_told(names, start),
-            "duration": f"{duration:g} s each",
-            "settings": shown_settings(settings),
-        }
-        report(
-            lambda command: scene_page(
-                findings, scene=scene.modelname, command=command, facts=facts
-            )
-        )
-    write_json(json_file, {"findings": [dataclasses.asdict(f) for f in findings]})
-    if stopped is not None:
-        raise stopped
-    # what other timesteps and speeds do is for the user to weigh
-    if findings[0].problems:
-        raise typer.Exit(VIOLATION)
+            write_page(page, html)
+        write_json(json_file, {"findings": [dataclasses.asdict(f) for f in findings]})
+        if stopped is not None:
+            raise stopped
+        # what other timesteps and speeds do is for the user to weigh
+        if findings[0].problems:
+            raise typer.Exit(UNSOUND)

@@ -101,7 +101,9 @@ def video(
         videos.check_rendering(target)
         law = parsed_settings(settings, params, friction=friction)
         attaching = parsed_settings(None, geoms=geom_names(geoms), speed=closing_speed)
-        spec = scene_of(model, attaching | law, native=False)
+        spec = scene_of(
+            model, attaching | law, native=False, speed_option="--closing-speed"
+        )
         start = start_keyframe(spec, keyframe)
         with progress(None) as report:
             report("simulating")

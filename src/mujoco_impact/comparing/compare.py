@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import dataclasses
+import time
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
@@ -24,13 +25,18 @@ from mujoco_impact.errors import (
     ImpactWarning,
     SimulationError,
 )
-from mujoco_impact.runner import initial_data, load_model, run, step_count
+from mujoco_impact.runner import (
+    collected_warnings,
+    initial_data,
+    load_model,
+    run,
+    step_count,
+)
 from mujoco_impact.scene import attach, detach
 from mujoco_impact.settings import Setting, attributes
 from mujoco_impact.source import Source, read_spec
 from mujoco_impact.starts import Keyframe, settled
-from mujoco_impact.timing import interleaved_times
-from mujoco_impact.trajectory import Trajectory
+from mujoco_impact.trajectory import Array, Trajectory
 
 __all__ = ["Comparison", "compare"]
 
@@ -192,3 +198,39 @@ def _with_run_times(
 def _shown(settings: dict[str, Any]) -> str:
     """Returns the settings as they are called."""
     return ", ".join(f"{key}={value}" for key, value in settings.items()) or "defaults"
+
+
+def interleaved_times(
+    models: Sequence[mujoco.MjModel],
+    starts: Sequence[mujoco.MjData],
+    steps: Sequence[int],
+    *,
+    repeats: int,
+) -> Array:
+    """Times simulations in turn, so that all of them see the same load of the machine.
+
+    Each is stepped by one call into MuJoCo, without Python in between, from its initial
+    state.
+
+    Args:
+        models: The models.
+        starts: Initial state of each; not changed.
+        steps: Number of steps of each.
+        repeats: Number of rounds; one more, which is not counted, warms up.
+
+    Returns:
+        Wall-clock times [s], shape (repeats, len(models)).
+    """
+    if repeats < 1:
+        msg = f"repeats = {repeats}: must be >= 1"
+        raise ValueError(msg)
+    work = [mujoco.MjData(model) for model in models]
+    times = np.zeros((repeats + 1, len(models)))
+    with collected_warnings():
+        for turn in range(repeats + 1):
+            for index, model in enumerate(models):
+                mujoco.mj_copyData(work[index], model, starts[index])
+                begin = time.perf_counter()
+                mujoco.mj_step(model, work[index], nstep=steps[index])
+                times[turn, index] = time.perf_counter() - begin
+    return times[1:]

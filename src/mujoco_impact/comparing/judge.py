@@ -24,6 +24,7 @@ from mujoco_impact.comparing.rows import RowReference, row_reference, row_sample
 from mujoco_impact.comparing.survey import rest_speed, survey
 from mujoco_impact.comparison import Comparison, MethodResult
 from mujoco_impact.errors import SceneError
+from mujoco_impact.impact_list import small_speed
 from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.pulses import geom_name
 from mujoco_impact.runner import load_model
@@ -31,9 +32,6 @@ from mujoco_impact.settings import DEFAULT_POISSON, DEFAULT_YOUNG
 from mujoco_impact.starts import keyframe_names
 from mujoco_impact.trajectory import Trajectory
 from mujoco_impact.verdict import ALONE
-
-SMALLEST = 0.05
-"""Of the fastest closing speed of our motion: slower meetings are not counted."""
 
 
 class Judge:
@@ -68,14 +66,13 @@ class Judge:
             hertz=law.get("law", "hertz") == "hertz",
             uniform="materials" not in law,
         )
-        fastest = max((one.closing_speed for one in motion.impacts), default=0.0)
         rest = rest_speed(self._plain, motion)
-        self._slowest = max(rest, SMALLEST * fastest)
+        self._slowest = max(rest, small_speed(motion.impacts))
         self.ours = survey(self._plain, motion, ours=True, slowest=self._slowest)
         geoms = {geom_name(self.model, geom): geom for geom in range(self.model.ngeom)}
         first = find_first_impact(self._plain, motion, geoms)
         if first is None:
-            raise SceneError(_nothing_told(self._plain, motion))
+            raise SceneError(_nothing_told(self._plain, motion, rest))
         self.first = first
         self._row: RowReference | None = None
         self._impact: ImpactReference | None = None
@@ -183,15 +180,17 @@ def _names_of(spec: mujoco.MjSpec) -> tuple[str, ...]:
     )
 
 
-def _nothing_told(model: mujoco.MjModel, motion: Trajectory) -> str:
+def _nothing_told(model: mujoco.MjModel, motion: Trajectory, rest: float) -> str:
     """Returns what is said of a scene without an impact."""
     if any(remark.text == ALONE for remark in motion.remarks):
         return ALONE
     names = [name or str(number) for number, name in enumerate(keyframe_names(model))]
     others = f" ({', '.join(names)})" if names else ""
+    # a run lists these, too
+    faster = f" faster than {rest:.2g} m/s" if motion.impacts else ""
     return (
-        f"there is no impact within {motion.time[-1]:g} s from {motion.start}, so "
-        f"there is nothing to compare: run longer, or start from another keyframe"
+        f"there is no impact{faster} within {motion.time[-1]:g} s from {motion.start}, "
+        f"so there is nothing to compare: run longer, or start from another keyframe"
         f"{others} or state"
     )
 

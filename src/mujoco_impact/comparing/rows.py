@@ -8,10 +8,10 @@ import mujoco
 import numpy as np
 
 from mujoco_impact import metrics
+from mujoco_impact.comparing.pendulums import PendulumRow, find_row
 from mujoco_impact.comparing.references import Material
 from mujoco_impact.comparing.survey import HALF_STEP_INTEGRATORS
 from mujoco_impact.errors import ImpactError
-from mujoco_impact.pendulums import PendulumRow, find_row
 from mujoco_impact.reference import ReferenceTrajectory, swing
 from mujoco_impact.trajectory import Array, Trajectory
 

@@ -14,11 +14,11 @@ from collections.abc import Iterable
 import mujoco
 import numpy as np
 
-from mujoco_impact.encounters import Flags, half_widths, meetings
 from mujoco_impact.impact_list import met
-from mujoco_impact.overlaps import THROUGH
 from mujoco_impact.pulses import geom_name
 from mujoco_impact.trajectory import Array, Trajectory
+from mujoco_impact.verdict.encounters import Flags, half_widths, meetings
+from mujoco_impact.verdict.overlaps import THROUGH
 
 HALF_STEP_INTEGRATORS = ("Euler", "implicit", "implicitfast", "discrete")
 """Integrators whose positions are half a step ahead of their velocities."""

@@ -12,11 +12,10 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from mujoco_impact.envs.cradle_model import cradle_model
-from mujoco_impact.envs.extras import is_installed
+from mujoco_impact.envs.cradle import cradle_model
 from mujoco_impact.envs.force_buffer import ForceBuffer
-from mujoco_impact.envs.registration import environment_id, register_gymnasium
-from mujoco_impact.envs.tasks import DOMAIN, TASKS
+from mujoco_impact.envs.tasks import CONTROL_TIMESTEP, DOMAIN, TASKS, TIME_LIMIT
+from mujoco_impact.extras import is_installed, require
 
 if TYPE_CHECKING:
     from mujoco_impact.envs.cradle_entity import Cradle
@@ -39,6 +38,9 @@ __all__ = [
 ALL_TASKS = tuple((DOMAIN, task) for task in TASKS)
 """Domain and task of every environment of this package."""
 
+NAMESPACE = "mujoco_impact"
+"""Of the environments in gymnasium."""
+
 _WITH_DM_CONTROL = {
     "Cradle": "cradle_entity",
     "attach_mjcf": "mjcf",
@@ -46,8 +48,31 @@ _WITH_DM_CONTROL = {
     "register_suite": "suite",
 }
 
-if is_installed("gymnasium"):
-    register_gymnasium()
+
+def environment_id(task: str) -> str:
+    """Returns the id of a task, such as "mujoco_impact/CradleStrike-v0"."""
+    return f"{NAMESPACE}/Cradle{task.capitalize()}-v0"
+
+
+def register_gymnasium() -> None:
+    """Registers the tasks with gymnasium; does nothing if they are registered.
+
+    gymnasium makes an environment by the place of its class, so that `gym`, which needs
+    it, is imported when the first environment is made.
+
+    Raises:
+        MissingExtraError: If gymnasium is not installed.
+    """
+    gymnasium = require("gymnasium")
+    for task in TASKS:
+        if environment_id(task) in gymnasium.registry:
+            continue
+        gymnasium.register(
+            id=environment_id(task),
+            entry_point="mujoco_impact.envs.gym:CradleEnv",
+            max_episode_steps=round(TIME_LIMIT / CONTROL_TIMESTEP),
+            kwargs={"task": task},
+        )
 
 
 def __getattr__(name: str) -> Any:
@@ -56,3 +81,7 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'mujoco_impact.envs' has no attribute {name!r}")
     module = importlib.import_module(f"mujoco_impact.envs.{_WITH_DM_CONTROL[name]}")
     return getattr(module, name)
+
+
+if is_installed("gymnasium"):
+    register_gymnasium()

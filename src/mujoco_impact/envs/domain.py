@@ -12,11 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from mujoco_impact.envs.cradle_model import Contacts, cradle_model
-from mujoco_impact.envs.cradle_state import CradleState
-from mujoco_impact.envs.extras import require
-from mujoco_impact.envs.task import CONTROL_TIMESTEP, TIME_LIMIT
-from mujoco_impact.envs.tasks import TASKS
+from mujoco_impact.envs.cradle import Contacts, CradleState, cradle_model
+from mujoco_impact.envs.tasks import CONTROL_TIMESTEP, TASKS, TIME_LIMIT
+from mujoco_impact.extras import require
 from mujoco_impact.settings import Setting
 from mujoco_impact.trajectory import Array
 

@@ -7,12 +7,10 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
-from mujoco_impact.envs.cradle_model import Contacts, cradle_model
-from mujoco_impact.envs.cradle_state import CradleState
-from mujoco_impact.envs.extras import require
-from mujoco_impact.envs.task import CONTROL_TIMESTEP
-from mujoco_impact.envs.tasks import TASKS
+from mujoco_impact.envs.cradle import Contacts, CradleState, cradle_model
+from mujoco_impact.envs.tasks import CONTROL_TIMESTEP, TASKS
 from mujoco_impact.errors import ConfigError, SimulationError
+from mujoco_impact.extras import require
 from mujoco_impact.settings import Setting
 from mujoco_impact.trajectory import Array
 

@@ -9,8 +9,8 @@ import mujoco
 
 from mujoco_impact._plugin import PLUGIN_NAME
 from mujoco_impact.assignment import Materials, Pairs
-from mujoco_impact.envs.extras import require
 from mujoco_impact.errors import SceneError
+from mujoco_impact.extras import require
 from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.scene import attach
 from mujoco_impact.settings import Setting

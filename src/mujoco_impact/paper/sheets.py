@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +15,7 @@ from mujoco_impact.paper.readings import (
     second_contact,
 )
 from mujoco_impact.paper.results import CONSERVED, LAWS, PaperResults, PatternResult
+from mujoco_impact.text import markdown_table
 
 NOTHING = "-"
 
@@ -61,14 +61,8 @@ def markdown(results: PaperResults) -> str:
     ]
     for sheet in sheets(results):
         lines += ["", f"## {sheet.title}", "", sheet.note, ""]
-        lines += [_line(sheet.headings), _line(["---"] * len(sheet.headings))]
-        lines += [_line(row) for row in sheet.rows]
+        lines += markdown_table(sheet.headings, sheet.rows).splitlines()
     return "\n".join(lines) + "\n"
-
-
-def _line(cells: Sequence[str]) -> str:
-    """Returns one line of a table."""
-    return f"| {' | '.join(cells)} |"
 
 
 def _impulses(results: PaperResults) -> Sheet:

@@ -10,10 +10,10 @@ import numpy as np
 from rich.table import Table
 
 from mujoco_impact.comparison import OURS, Comparison, MethodResult
-from mujoco_impact.printable import printable
 from mujoco_impact.report import figures, motions
 from mujoco_impact.report.page import Page, Section
 from mujoco_impact.report.tables import html_table, of_terminal
+from mujoco_impact.text import printable
 from mujoco_impact.trajectory import Array
 
 PANELS_ABREAST = 3

@@ -19,7 +19,7 @@ import numpy as np
 from mujoco_impact.errors import MissingExtraError
 from mujoco_impact.extras import install_hint
 from mujoco_impact.files import check_writable, write_text
-from mujoco_impact.printable import printable
+from mujoco_impact.text import printable
 
 STYLE = """
 :root { color-scheme: light; }

@@ -9,10 +9,10 @@ from typing import Any
 import mujoco
 
 from mujoco_impact.impact_list import Bounces, Meeting, listed, met
-from mujoco_impact.printable import printable
 from mujoco_impact.report import figures, motions
 from mujoco_impact.report.page import Page, Section
 from mujoco_impact.report.tables import html_table
+from mujoco_impact.text import printable
 from mujoco_impact.trajectory import Trajectory
 
 MOST_ROWS = 500

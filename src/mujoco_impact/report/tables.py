@@ -1,4 +1,4 @@
-"""Tables of a report: those of the terminal, and those of markdown."""
+"""Tables of a report."""
 
 from __future__ import annotations
 
@@ -9,10 +9,7 @@ from html import escape
 from rich.table import Table
 from rich.text import Text
 
-from mujoco_impact.printable import printable
-
-_WORD = re.compile("[A-Za-z]{3}")
-"""What only cells of words hold."""
+from mujoco_impact.text import printable
 
 
 def html_table(
@@ -56,34 +53,6 @@ def of_terminal(table: Table) -> str:
         left=[column.justify == "left" for column in table.columns],
         bold=["bold" in str(row.style or "") for row in table.rows],
     )
-
-
-def of_markdown(text: str) -> str:
-    """Returns markdown as HTML: headings, tables, lists and paragraphs."""
-    blocks = re.split(r"\n\s*\n", text.strip())
-    return "".join(_block(block.strip()) for block in blocks if block.strip())
-
-
-def _block(block: str) -> str:
-    """Returns one block of markdown."""
-    lines = block.splitlines()
-    if lines[0].startswith("|"):
-        heading, _, *rows = [_row(line) for line in lines]
-        words = [any(map(_WORD.search, column)) for column in zip(*rows, strict=True)]
-        return html_table(heading, rows, left=words)
-    match = re.fullmatch(r"(#{1,6}) (.*)", lines[0])
-    if match is not None:
-        level = min(6, len(match[1]) + 1)
-        rest = _block("\n".join(lines[1:])) if lines[1:] else ""
-        return f"<h{level}>{_text(match[2])}</h{level}>{rest}"
-    if all(line.startswith("* ") for line in lines):
-        return f"<ul>{''.join(f'<li>{_text(line[2:])}</li>' for line in lines)}</ul>"
-    return f"<p>{_text(' '.join(lines))}</p>"
-
-
-def _row(line: str) -> list[str]:
-    """Returns the cells of a line of a markdown table."""
-    return [cell.strip() for cell in line.strip().strip("|").split("|")]
 
 
 def _cells(tag: str, cells: Sequence[str], kinds: Sequence[str]) -> str:

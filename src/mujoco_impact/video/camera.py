@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from mujoco_impact.errors import SceneError
-from mujoco_impact.hints import closest
+from mujoco_impact.text import closest
 from mujoco_impact.trajectory import Array
 from mujoco_impact.video.motion import Panel
 

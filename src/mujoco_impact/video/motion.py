@@ -8,8 +8,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from mujoco_impact.comparing.pendulums import PendulumRow
 from mujoco_impact.impact import Impact
-from mujoco_impact.pendulums import PendulumRow
 from mujoco_impact.reference import ReferenceTrajectory
 from mujoco_impact.trajectory import Array, Trajectory
 

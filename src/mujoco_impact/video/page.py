@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from mujoco_impact.printable import printable
+from mujoco_impact.text import printable
 
 if TYPE_CHECKING:
     from PIL import Image

@@ -7,9 +7,9 @@ from typing import Any
 
 import mujoco
 
+from mujoco_impact.comparing.pendulums import find_row
 from mujoco_impact.comparison import AS_IS, OURS, Comparison
 from mujoco_impact.errors import ImpactError, ImpactWarning, SimulationError
-from mujoco_impact.pendulums import find_row
 from mujoco_impact.reference import swing
 from mujoco_impact.runner import load_model, run
 from mujoco_impact.scene import detach

@@ -1,0 +1,186 @@
+"""The cradle of the environments: its model, and what the tasks see of it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Literal
+
+import mujoco
+import numpy as np
+
+import cradle_models
+from mujoco_impact.errors import ConfigError
+from mujoco_impact.scene import attach
+from mujoco_impact.sensor import IMPULSE, NUMBERS_PER_GEOM, sensor_slice
+from mujoco_impact.settings import Setting
+from mujoco_impact.source import read_spec
+from mujoco_impact.specifications import compile_spec
+from mujoco_impact.trajectory import Array
+
+Contacts = Literal["impact", "mujoco"]
+"""Whose contacts the balls have: this package's, or MuJoCo's own."""
+
+TIMESTEP = 0.002
+"""Timestep of the physics [s]."""
+
+RESTITUTION = 0.95
+"""Energetic restitution of the balls, unless set otherwise."""
+
+MOTOR_TORQUE = 0.25
+"""Torque of a motor at an action of 1 [N m]: holds ball A of 0.3 m at 47 degrees."""
+
+LARGEST_ANGLE = 1.6
+"""Where the hinges stop [rad]."""
+
+SHADES = {"self": (0.66, 0.68, 0.72), "effector": (0.36, 0.40, 0.46),
+          "target": (0.62, 0.54, 0.40)}  # fmt: skip
+"""Colours of the other balls, of those with a motor, and of the last one."""
+
+HIGHLIGHT = (0.95, 0.75, 0.20)
+"""Their colour at a reward of 1, if rewards are shown."""
+
+
+def cradle_model(
+    pattern: str = "AAAAA",
+    *,
+    motors: int = 1,
+    contacts: Contacts = "impact",
+    **settings: Setting,
+) -> mujoco.MjModel:
+    """Returns a row of touching balls on hinges, the first of which have motors.
+
+    Joints, bodies and geoms are named as by `cradle_models.row`; the motor at
+    `hinge_1` is called `motor_1`. Angles are 0 at the bottom and positive towards the
+    last ball.
+
+    Args:
+        pattern: Letters A and B of `cradle_models`, from left to right.
+        motors: How many balls, from the left, have a motor.
+        contacts: "impact" for those of this package, "mujoco" for MuJoCo's own.
+        **settings: Settings of the impact law, see `mujoco_impact.attach`;
+            restitution is 0.95 if it is absent.
+
+    Raises:
+        ConfigError: If an argument or a setting is not valid.
+    """
+    count = len(pattern)
+    if not 1 <= motors <= count:
+        raise ConfigError(f"motors = {motors}: allowed are 1 to {count}")
+    if contacts not in ("impact", "mujoco"):
+        msg = f"contacts = {contacts!r}: allowed are 'impact' and 'mujoco'"
+        raise ConfigError(msg)
+    if contacts == "mujoco" and settings:
+        msg = f"contacts='mujoco' takes no settings, got {', '.join(settings)}"
+        raise ConfigError(msg)
+    spec = read_spec(cradle_models.row(pattern, timestep=TIMESTEP))
+    _add_motors(spec, motors)
+    _add_looks(spec, count, motors)
+    if contacts == "impact":
+        options: dict[str, Any] = {"restitution": RESTITUTION, **settings}
+        spec = attach(spec, **options)
+    return compile_spec(spec)
+
+
+def _add_motors(spec: mujoco.MjSpec, motors: int) -> None:
+    """Adds the motors, and the stops of all hinges."""
+    # the compiler takes the angles of a specification in its own unit
+    stop = math.degrees(LARGEST_ANGLE) if spec.compiler.degree else LARGEST_ANGLE
+    for joint in spec.joints:
+        joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE
+        joint.range = (-stop, stop)
+    for number in range(1, motors + 1):
+        motor = spec.add_actuator(name=f"motor_{number}", target=f"hinge_{number}")
+        motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
+        motor.gear[0] = MOTOR_TORQUE
+        motor.ctrllimited = mujoco.mjtLimited.mjLIMITED_TRUE
+        motor.ctrlrange = (-1.0, 1.0)
+
+
+def _add_looks(spec: mujoco.MjSpec, count: int, motors: int) -> None:
+    """Adds a second camera and the materials that dm_control colours by the reward."""
+    side = spec.worldbody.add_camera(name="side", pos=(0.5, -0.5, 0.05))
+    side.alt.xyaxes = (1.0, 1.0, 0.0, -0.2, 0.2, 1.0)
+    for name, shade in SHADES.items():
+        colours = {"": shade, "_default": shade, "_highlight": HIGHLIGHT}
+        for suffix, colour in colours.items():
+            spec.add_material(
+                name=name + suffix,
+                rgba=(*colour, 1.0),
+                specular=0.9,
+                shininess=0.9,
+                reflectance=0.2,
+            )
+    roles = ["effector"] * motors + ["self"] * (count - motors)
+    roles[-1] = "target"
+    for number, role in enumerate(roles, start=1):
+        spec.geom(f"ball_{number}").material = role
+
+
+class CradleState:
+    """A row of pendulums of `cradle_model`, read from and written to `mjData`.
+
+    Attributes:
+        size: Number of balls, n.
+    """
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        """Takes what stays the same from the model.
+
+        Args:
+            model: The model; `mjData` is given to each method, because an environment
+                may replace it.
+        """
+        self.size = int(model.njnt)
+        self._length: list[float] = np.linalg.norm(model.body_ipos[1:], axis=1).tolist()
+        gravity = float(-model.opt.gravity[2])
+        # I / (2 m g): height that an angular velocity is worth [m s²]
+        swing = model.dof_M0 / (2.0 * model.body_mass[1:] * gravity)
+        self._swing: list[float] = swing.tolist()
+        self._impulses: slice | None = None
+        if model.nsensor > 0:
+            all_numbers = sensor_slice(model)
+            self._impulses = slice(
+                all_numbers.start + IMPULSE, all_numbers.stop, NUMBERS_PER_GEOM
+            )
+
+    @property
+    def has_impacts(self) -> bool:
+        """Whether the model has the plugin, and so a sensor of impacts."""
+        return self._impulses is not None
+
+    def angles(self, data: Any) -> Array:
+        """Returns the angles [rad], shape (n,); 0: hanging, > 0: towards the last."""
+        return np.array(data.qpos)
+
+    def speeds(self, data: Any) -> Array:
+        """Returns the angular velocities [rad/s], shape (n,)."""
+        return np.array(data.qvel)
+
+    def impulses(self, data: Any) -> Array:
+        """Returns the impulse of the last impact of each ball [N s], shape (n,)."""
+        return np.array(data.sensordata[self._impulses])
+
+    def height(self, ball: int, angle: float, speed: float) -> float:
+        """Returns how high a ball would swing if nothing met it [m].
+
+        Above its lowest point, from the energy of the pendulum:
+        h = L (1 - cos θ) + I ω² / (2 m g).
+
+        Args:
+            ball: Number of the ball, from 0.
+            angle: θ [rad].
+            speed: ω [rad/s].
+        """
+        swing = self._swing[ball] * speed * speed
+        return self._length[ball] * (1.0 - math.cos(angle)) + swing
+
+    def heights(self, data: Any) -> list[float]:
+        """Returns `height` of every ball [m]."""
+        # a few numbers: plain floats are several times faster than arrays
+        angles, speeds = data.qpos.tolist(), data.qvel.tolist()
+        return list(map(self.height, range(self.size), angles, speeds))
+
+    def place(self, data: Any, angles: Array) -> None:
+        """Puts the balls at rest at these angles [rad], shape (n,)."""
+        data.qpos[:] = angles
+        data.qvel[:] = 0.0
