@@ -17,7 +17,6 @@ from typing import Any
 import mujoco
 
 from mujoco_impact.errors import ConfigError, SceneError
-from mujoco_impact.hints import closest
 from mujoco_impact.materials import (
     MATERIALS,
     Material,
@@ -26,6 +25,7 @@ from mujoco_impact.materials import (
     read_materials,
     read_pair,
 )
+from mujoco_impact.text import closest
 
 Materials = Mapping[str, Material | Mapping[str, Any]]
 Pairs = Mapping[tuple[str, str], MaterialPair | Mapping[str, Any]]

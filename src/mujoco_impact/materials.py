@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import TypeAlias, TypeVar
 
 from mujoco_impact.errors import ConfigError
-from mujoco_impact.hints import closest
+from mujoco_impact.text import closest
 
 Table: TypeAlias = Mapping[float, float]
 """Restitution by closing speed [m/s]: linear between its speeds, constant beyond."""
