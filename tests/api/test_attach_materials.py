@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
-from mujoco_impact import MATERIALS, Material, MaterialPair, attach, detach
+import cradle_models
+from mujoco_impact import MATERIALS, Material, MaterialPair, attach, compare, detach
+from mujoco_impact.cli import app
 from mujoco_impact.errors import ConfigError, ImpactError, SceneError
 from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.sensor import NUMBERS_PER_GEOM, sensor_slice
@@ -226,3 +230,28 @@ def test_instances_whose_geoms_meet_must_say_the_same_of_pairs() -> None:
     first = attached(geoms=["ball_a"], name="first", pairs=pairs)
     with pytest.raises(ConfigError, match="different settings"):
         attach(first, geoms=["ball_b"], name="second", materials=OWN, assign=ASSIGN)
+
+
+def test_a_comparison_knows_no_reference_for_different_materials() -> None:
+    """It would be that of one material."""
+    told = compare(attached(), duration=0.2, repeats=1)
+    assert "different materials" in told.note
+    row = attach(cradle_models.model_path("row_3"), assign={"ball_1": "rubber"})
+    told = compare(row, duration=0.3, keyframe="release", repeats=1)
+    assert "different materials" in told.note
+
+
+def test_the_command_line_gives_materials(tmp_path: Path) -> None:
+    """To a scene that is written, by names and patterns."""
+    scene, out = tmp_path / "scene.xml", tmp_path / "out.xml"
+    scene.write_text(SCENE)
+    arguments = ["attach", str(scene), "-o", str(out), "--material"]
+    done = CliRunner().invoke(
+        app, [*arguments, "ball_*=rubber", "--material", "table=wood"]
+    )
+    assert done.exit_code == 0, done.output
+    spec = mujoco.MjSpec.from_file(str(out))
+    assert list(spec.tuples[0].objprm) == [1.0, 1.0, -2.0]
+    done = CliRunner().invoke(app, [*arguments, "rubber"])
+    assert done.exit_code != 0
+    assert "must be GEOM=NAME" in done.output
