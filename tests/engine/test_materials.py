@@ -321,19 +321,21 @@ def test_a_contact_without_friction_gets_none_from_a_material():
     assert friction_of(0.1, 0.1, ball_is='condim="1"', table_is='condim="1"') == 0
 
 
+ROW = """
+<mujoco><option timestep=".002" gravity="0 0 0"/>
+  <default><joint type="slide" axis="1 0 0"/><geom size=".02" mass=".1"/></default>
+  <worldbody>
+    <body pos="-.0002 0 0"><joint/><geom name="a"/></body>
+    <body pos=".04 0 0"><joint/><geom name="b"/></body>
+    <body pos=".08 0 0"><joint/><geom name="c"/></body>
+  </worldbody>
+</mujoco>"""
+
+
 def test_a_row_of_different_materials_is_the_impact_of_its_contacts():
     """Each contact with its own stiffness and restitution, held against the law."""
-    xml = """
-    <mujoco><option timestep=".002" gravity="0 0 0"/>
-      <default><joint type="slide" axis="1 0 0"/><geom size=".02" mass=".1"/></default>
-      <worldbody>
-        <body pos="-.0002 0 0"><joint/><geom name="a"/></body>
-        <body pos=".04 0 0"><joint/><geom name="b"/></body>
-        <body pos=".08 0 0"><joint/><geom name="c"/></body>
-      </worldbody>
-    </mujoco>"""
     spec = attach(
-        xml, materials=OWN, assign={"a": "soft", "b": "hard", "c": "hard"}, speed=1
+        ROW, materials=OWN, assign={"a": "soft", "b": "hard", "c": "hard"}, speed=1
     )
     motion = mujoco_impact.run(spec, duration=0.02, qvel=[1.0, 0, 0])
     moduli = [
@@ -351,6 +353,30 @@ def test_a_row_of_different_materials_is_the_impact_of_its_contacts():
     expected = [1 - 10 * P[0], 10 * (P[0] - P[1]), 10 * P[1]]
     # 1e-5 of the speed: the accuracy of an impact at the default tolerance
     np.testing.assert_allclose(motion.qvel[-1], expected, atol=1e-5)
+
+
+def test_pulses_of_one_duration_have_one_shape():
+    """Else what comes earlier at one contact would move bodies into each other.
+
+    With one shape all balls move as if the impact came at one time: they have been
+    moved for the same time by what it changed.
+    """
+    spec = attach(
+        ROW,
+        speed=1,
+        duration=1e-3,
+        assign={"a": "steel", "b": "steel", "c": "steel"},
+        pairs={("a", "b"): {"restitution": 0.9}, ("b", "c"): {"restitution": 0.1}},
+    )
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.qvel[0] = 1.0
+    for _ in range(3):
+        mujoco.mj_step(model, data)
+    moved = data.qpos - [data.time, 0, 0]
+    times = moved / (data.qvel - [1.0, 0, 0])
+    # 2e-12 m is the rounding of positions, over speeds of .1 m/s
+    np.testing.assert_allclose(times, times[0], atol=1e-9)
 
 
 @pytest.mark.parametrize("integrator", ["Euler", "implicitfast", "RK4", "discrete"])

@@ -20,7 +20,7 @@ struct IslandProblem {
   mjtNum* closing_speed;  // c_k [m/s]
   mjtNum* gap;            // g_k [m]
   mjtNum* stiffness;      // K_k [N/m^1.5]
-  mjtNum* restitution;    // of the law, and of the waveform [-]
+  mjtNum* restitution;    // e_k of the law; afterwards E of the waveforms [-]
   mjtNum* impulse;        // P_k [N s]; 0: the contact takes no part
   mjtNum* moment;         // ∫ t F_k dt [N s²]
   mjtNum* onset;          // first time with force [s]
