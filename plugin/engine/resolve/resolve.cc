@@ -104,22 +104,15 @@ bool AreShorter(const IslandProblem& problem, mjtNum time) {
   return true;
 }
 
-// The contact that gives an impact its scale: the one that closes first or, if that is by rounding
-// alone, the one that closes fastest.
-int ReferenceOf(const IslandProblem& problem, int first) {
-  const mjtNum* c = problem.closing_speed;
-  return c[first] > 0 ? first : static_cast<int>(std::max_element(c, c + problem.size) - c);
-}
-
 // Gives all contacts one pulse of the duration W, or as much shorter as their depth asks for, and
-// of the shape of one of them: what came earlier at one contact than at another would move bodies
-// into each other. Returns whether the impulses come at once.
+// of the shape of the least elastic: what came earlier at one contact than at another would move
+// bodies into each other. Returns whether the impulses come at once.
 bool SetCommonPulse(const mjModel* m, const IslandSystem& system, const ImpactTime& time,
                     mjtNum duration, IslandProblem& problem) {
   std::fill_n(problem.onset, problem.size, 0);
   std::fill_n(problem.peak, problem.size, 0);
   std::fill_n(problem.duration, problem.size, duration);
-  const mjtNum e = problem.restitution[ReferenceOf(problem, time.first)];
+  const mjtNum e = *std::min_element(problem.restitution, problem.restitution + problem.size);
   std::fill_n(problem.restitution, problem.size, e);
   const mjtNum less = std::min(OverlapLess(m, system, problem), TurnLess(system, problem));
   mju_scl(problem.duration, problem.duration, less, problem.size);
@@ -205,6 +198,13 @@ void CountForcesMeanwhile(const mjModel* m, const IslandSystem& system, const mj
     mjtNum* friction = problem.tangents->impulse;
     mju_scl(friction, friction, 1 + meanwhile / work, 2 * problem.size);
   }
+}
+
+// The contact that gives an impact its scale: the one that closes first or, if that is by rounding
+// alone, the one that closes fastest.
+int ReferenceOf(const IslandProblem& problem, int first) {
+  const mjtNum* c = problem.closing_speed;
+  return c[first] > 0 ? first : static_cast<int>(std::max_element(c, c + problem.size) - c);
 }
 
 // ΔT [J] by the impulses as they are, the tangential ones included.
