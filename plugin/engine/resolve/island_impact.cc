@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "engine/handover/silent_rows.h"
 #include "engine/island/tangents.h"
 #include "engine/path/inertia_there.h"
 #include "engine/record/slots.h"
@@ -10,6 +11,7 @@
 #include "engine/resolve/reach.h"
 #include "engine/resolve/resolver.h"
 #include "engine/scene/tree_kinds.h"
+#include "law/stopping_impulses.h"
 
 namespace mujoco_impact::engine {
 
@@ -82,21 +84,43 @@ bool Resolver::FitsIsland(const int* position, int count) {
   return scratch.Fits(bytes);
 }
 
-// Of the contacts that MuJoCo carries, by how much the free motion of the bodies up to a time lets
-// them close (size): what carries them does not let them fall, and a body that is struck while it
-// lies on a table must not bounce off it.
-const mjtNum* Resolver::FallOf(const IslandSystem& system, const int* position, mjtNum time,
-                               Scratch& scratch) const {
-  mjtNum* fall = scratch.Zeros(system.size);
+// Takes from the velocity at a time what the bodies fall until then that MuJoCo's contacts carry:
+// by forces on the contacts of an island,
+//
+//   f ≥ 0  ⊥  J (a + M̃⁻¹Jᵀ f) ≥ 0    a: free acceleration
+//
+// A body that lies on a table must not be met, nor bounce, as if it fell. The forces are a little
+// larger: what they are not exact to must not close a contact, which would be an impact.
+void Resolver::HoldUp(const IslandSystem& system, const int* position, mjtNum time,
+                      mjtNum* velocity) {
   // what pulses under way do to the bodies is no fall
-  if (start_.bend) return fall;
-  const mjtNum lead = PathLag(m_);
-  for (int k = 0; k < system.size; ++k) {
-    if (contacts_.due[position[k]] || !IsCarried(*system.row[k].contact)) continue;
-    const mjtNum pressing = -RowTimes(m_, system.row[k], start_.motion.acceleration);
-    fall[k] = std::max<mjtNum>(0, pressing * (lead + time));
+  if (start_.bend) return;
+  constexpr mjtNum kExact = 1e-4;
+  constexpr mjtNum kOpen = std::numeric_limits<mjtNum>::infinity();
+  const int n = system.size;
+  Scratch scratch(d_);
+  mjtNum *fall = scratch.Zeros(n), *bound = scratch.Take<mjtNum>(n);
+  mjtNum fastest = 0;
+  for (int k = 0; k < n; ++k) {
+    const mjContact& contact = *system.row[k].contact;
+    const bool carried =
+        IsCarried(contact) && !IsSilent(d_, contact) && !contacts_.due[position[k]];
+    bound[k] = carried ? 0 : kOpen;
+    if (!carried) continue;
+    fall[k] = -time * RowTimes(m_, system.row[k], start_.motion.acceleration);
+    fastest = std::max(fastest, fall[k]);
   }
-  return fall;
+  if (fastest == 0 || budget_.IsLow()) return;
+  law::StoppingImpulses support(system.delassus,
+                                scratch.Take<mjtNum>(law::StoppingImpulses::kArrays * n));
+  for (int k = 0; k < n; ++k) fall[k] += 2 * kExact * fastest;
+  support.Solve(fall, bound, kExact * fastest, budget_.OfEnd());
+  budget_.Spend(support.work());
+  for (int k = 0; k < n; ++k) {
+    if (support.impulse()[k] == 0) continue;
+    Scratch of_row(d_);
+    AddAnswer(m_, mobility_, system.row[k].segment, support.impulse()[k], velocity, of_row);
+  }
 }
 
 // The contacts of an island and their impacts. Of bodies that have been moved there for it, the
@@ -112,7 +136,8 @@ IslandSystem Resolver::SolveIsland(const Outlook& outlook, ImpactTime time, cons
   // a tumbling body turns away from a pulse that lasts, whose line stays as it was
   constexpr mjtNum kShortSteps = 4;
   if (AnyFlies(system)) time.short_of = kShortSteps * m_->opt.timestep;
-  const mjtNum* velocity = SettledVelocity(m_, outlook, seen, scratch);
+  mjtNum* velocity = SettledVelocity(m_, outlook, seen, scratch);
+  HoldUp(system, position, PathLag(m_) + outlook.start + seen, velocity);
   mjtNum* acceleration = scratch.Take<mjtNum>(m_->nv);
   mju_addScl(acceleration, steady_, start_.motion.jerk, outlook.start + seen, m_->nv);
   Tangents* tangents = nullptr;
@@ -120,9 +145,8 @@ IslandSystem Resolver::SolveIsland(const Outlook& outlook, ImpactTime time, cons
     tangents = BuildTangents(m_, d_, mobility_, materials_, system, outlook.motion, seen, velocity,
                              scratch);
   }
-  const mjtNum* fall = FallOf(system, position, outlook.start + seen, scratch);
-  ResolveIsland(m_, config_, materials_, ownership_, system, time, velocity, fall, acceleration,
-                tangents, budget_, &stiffer_, impacts, scratch);
+  ResolveIsland(m_, config_, materials_, ownership_, system, time, velocity, acceleration, tangents,
+                budget_, &stiffer_, impacts, scratch);
   if (tangents) TurnRows(m_, *tangents, system, impacts);
   if (config_.friction == Friction::kPaper) {
     AddFriction(m_, d_, config_, outlook.motion, seen, velocity, system, impacts, scratch);

@@ -10,8 +10,8 @@
 namespace mujoco_impact::engine {
 
 IslandProblem MakeProblem(const mjModel* m, const Config& config, const Materials& materials,
-                          const IslandSystem& system, const mjtNum* velocity, const mjtNum* fall,
-                          Tangents* tangents, Scratch& scratch) {
+                          const IslandSystem& system, const mjtNum* velocity, Tangents* tangents,
+                          Scratch& scratch) {
   const int n = system.size;
   IslandProblem problem{n,
                         scratch.Take<mjtNum>(n),
@@ -35,7 +35,6 @@ IslandProblem MakeProblem(const mjModel* m, const Config& config, const Material
     problem.gap[k] = row.gap <= config.touch ? 0 : row.gap;
     problem.stiffness[k] =
         law::HertzStiffness(materials.EffectiveModulus(*row.contact), row.curvature);
-    if (closing > 0) closing = std::max<mjtNum>(0, closing - fall[k]);
     fastest = std::max(fastest, closing);
   }
   for (int k = 0; k < n; ++k) {

@@ -31,11 +31,11 @@ struct IslandProblem {
   Tangents* tangents = nullptr;  // null: no contact has friction
 };
 
-// By `fall` contacts close slower than with `velocity` alone (size). Restitution is that at the
-// speed of the fastest closing: a contact that others press does not close by itself.
+// Restitution is that at the speed of the fastest closing: a contact that others press does not
+// close by itself.
 IslandProblem MakeProblem(const mjModel* m, const Config& config, const Materials& materials,
-                          const IslandSystem& system, const mjtNum* velocity, const mjtNum* fall,
-                          Tangents* tangents, Scratch& scratch);
+                          const IslandSystem& system, const mjtNum* velocity, Tangents* tangents,
+                          Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

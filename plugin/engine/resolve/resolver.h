@@ -59,8 +59,7 @@ class Resolver {
                            Impact* impacts, Scratch& scratch);
   mjtNum CentreOf(const Outlook& outlook, const ImpactTime& time, const int* position, int count);
   bool AnyFlies(const IslandSystem& system) const;
-  const mjtNum* FallOf(const IslandSystem& system, const int* position, mjtNum time,
-                       Scratch& scratch) const;
+  void HoldUp(const IslandSystem& system, const int* position, mjtNum time, mjtNum* velocity);
   static void ComeAtOnce(const ImpactTime& time, int count, Impact* impacts);
   void AddImpacts(const IslandSystem& system, const ImpactTime& time, const Impact* impacts,
                   const int* position);

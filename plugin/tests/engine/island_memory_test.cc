@@ -134,8 +134,8 @@ TEST_P(IslandMemory, AnIslandTakesNoMoreThanItAsksFor) {
     tangents = BuildTangents(m, d, mobility, materials, system, outlook.motion, time.tau, velocity,
                              inside);
   }
-  ResolveIsland(m, config, materials, ownership, system, time, velocity, acceleration, acceleration,
-                tangents, budget, &stiffer, impacts, inside);
+  ResolveIsland(m, config, materials, ownership, system, time, velocity, acceleration, tangents,
+                budget, &stiffer, impacts, inside);
   if (config.friction == Friction::kPaper) {
     AddFriction(m, d, config, outlook.motion, time.tau, velocity, system, impacts, inside);
   }
