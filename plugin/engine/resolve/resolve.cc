@@ -150,7 +150,7 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
   }
   for (int i = 0;; ++i) {
     const bool over = SolveHertz(config, system, time, budget, problem);
-    mjtNum less = std::min(CompressLess(system, problem), TurnLess(system, problem));
+    mjtNum less = TurnLess(system, problem);
     if (InstantRule(config) && less >= 1) {
       if (!IsElastic(problem)) {
         PressOutDents(system, problem, std::max(EndOf(problem), time.left()));
