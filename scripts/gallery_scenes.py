@@ -75,14 +75,14 @@ motion = mujoco_impact.run(spec, duration=1.4, keyframe="release")
     Scene(
         name="bounce",
         title="Bouncing balls",
-        text="Three balls with a restitution of 1, 0.8 and 0.5. Each has an instance "
-        "of the plugin. That is allowed because the balls cannot meet each other.",
+        text="Three balls with a restitution of 1, 0.8 and 0.5 on one floor. Materials "
+        "and pairs say what counts between two geoms.",
         code="""
 import mujoco_impact
 
-spec = "docs/gallery/bounce.xml"
-for name, e in (("elastic", 1.0), ("good", 0.8), ("poor", 0.5)):
-    spec = mujoco_impact.attach(spec, geoms=[name], name=name, restitution=e)
+balls = {"elastic": 1.0, "good": 0.8, "poor": 0.5}
+pairs = {(ball, "floor"): {"restitution": e} for ball, e in balls.items()}
+spec = mujoco_impact.attach("docs/gallery/bounce.xml", pairs=pairs)
 motion = mujoco_impact.run(spec, duration=1.9)
 """,
         speed=0.6,

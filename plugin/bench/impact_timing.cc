@@ -117,12 +117,12 @@ extern "C" __attribute__((visibility("default"))) long impact_timing_law(
   const law::RowMatrix matrix(std::vector<double>(contacts + 1, mass));
   std::vector<double> closing(contacts, 0.0);
   closing[0] = speed;
-  const std::vector<double> gap(contacts, 0.0), stiffnesses(contacts, stiffness);
-  const law::ImpactProblem problem{matrix.View(), closing.data(),
-                                   gap.data(),    stiffnesses.data(),
-                                   1.0,           law::Dissipation::kBistiffness,
-                                   kHorizon,      kHorizon,
-                                   tolerance};
+  const std::vector<double> gap(contacts, 0.0), stiffnesses(contacts, stiffness),
+      restitution(contacts, 1.0);
+  const law::ImpactProblem problem{
+      matrix.View(),      closing.data(),     gap.data(),
+      stiffnesses.data(), restitution.data(), law::Dissipation::kBistiffness,
+      kHorizon,           kHorizon,           tolerance};
   std::vector<double> impulse(contacts), moment(contacts), onset(contacts), after(contacts);
   std::vector<double> numbers(law::ImpactNumbers(static_cast<int>(contacts)));
   std::vector<int> indices(law::ImpactIndices(static_cast<int>(contacts)));

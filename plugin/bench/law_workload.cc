@@ -44,18 +44,13 @@ int main(int argc, char** argv) {
   const std::size_t contacts = static_cast<std::size_t>(balls) - 1;
   const law::RowMatrix matrix(std::vector<double>(contacts + 1, kMass));
   std::vector<double> closing(contacts, 0.0), gap(contacts, opening);
-  const std::vector<double> stiffness(contacts, kStiffness);
+  const std::vector<double> stiffness(contacts, kStiffness), restitution(contacts, 1.0);
   closing[0] = kSpeed;
   gap[0] = 0;
-  const law::ImpactProblem problem{matrix.View(),
-                                   closing.data(),
-                                   gap.data(),
-                                   stiffness.data(),
-                                   1.0,
-                                   law::Dissipation::kBistiffness,
-                                   kHorizon,
-                                   kHorizon,
-                                   law::kDefaultTolerance};
+  const law::ImpactProblem problem{
+      matrix.View(),    closing.data(),     gap.data(),
+      stiffness.data(), restitution.data(), law::Dissipation::kBistiffness,
+      kHorizon,         kHorizon,           law::kDefaultTolerance};
   std::vector<double> impulse(contacts), moment(contacts), onset(contacts), after(contacts);
   std::vector<double> numbers(law::ImpactNumbers(static_cast<int>(contacts)));
   std::vector<int> indices(law::ImpactIndices(static_cast<int>(contacts)));

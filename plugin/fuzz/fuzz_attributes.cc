@@ -49,6 +49,26 @@ void Expect(bool promise, const char* what) {
   std::abort();
 }
 
+void CheckMaterials(const engine::Config& config) {
+  const engine::Material usual = engine::UsualMaterial(config);
+  std::vector<engine::Material> materials(engine::CountEntries(config.materials));
+  engine::ReadMaterials(config.materials, usual, materials.data(), nullptr);
+  for (const engine::Material& material : materials) {
+    Expect(!material.name.empty(), "a material has a name");
+    Expect(material.compliance > 0, "C > 0");
+    for (const double speed : {0.0, 1e-9, 1.0, 1e9}) {
+      const double e = material.restitution.At(speed);
+      Expect(e >= 0 && e <= 1, "e of a material in [0, 1]");
+    }
+  }
+  std::vector<engine::MaterialPair> pairs(engine::CountEntries(config.material_pairs));
+  engine::ReadPairs(config.material_pairs, usual, pairs.data(), nullptr);
+  for (const engine::MaterialPair& pair : pairs) {
+    Expect(!pair.name[0].empty() && !pair.name[1].empty(), "a pair has two names");
+    Expect(pair.modulus >= 0 && std::isfinite(pair.modulus), "E* of a pair");
+  }
+}
+
 void CheckConfig(const engine::Config& config) {
   Expect(config.restitution >= 0 && config.restitution <= 1, "e in [0, 1]");
   Expect(config.effective_modulus > 0, "E* > 0");
@@ -58,6 +78,7 @@ void CheckConfig(const engine::Config& config) {
          "duration > 0");
   Expect(config.waveform_restitution >= 0 && config.waveform_restitution <= 1, "E in [0, 1]");
   Expect(config.calibrated.base_duration > 0, "W0 > 0");
+  CheckMaterials(config);
   if (config.law != engine::Law::kCalibrated) return;
   Expect(config.calibrated.height_factor > 0, "S_h > 0");
   double alpha[kOwned];

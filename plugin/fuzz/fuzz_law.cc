@@ -135,19 +135,24 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Bytes bytes(data, size);
   const bool viscous = bytes.Integer(0, 1) == 1;
   const double restitutions[] = {1, 0, bytes.Part(), bytes.Logarithmic(1e-6, 1)};
-  double restitution = restitutions[bytes.Integer(0, 3)];
-  if (viscous) restitution = std::max(restitution, law::kViscousMinimum);
   const double horizon = bytes.Logarithmic(1e-5, 2e-2);
   const bool last = bytes.Integer(0, 1) == 1;
   const Island island = ReadIsland(bytes);
   const int n = island.size;
+  // most impacts have one restitution
+  const bool mixed = bytes.Integer(0, 3) == 0;
+  std::vector<double> restitution(n, restitutions[bytes.Integer(0, 3)]);
+  for (double& e : restitution) {
+    if (mixed) e = restitutions[bytes.Integer(0, 3)];
+    if (viscous) e = std::max(e, law::kViscousMinimum);
+  }
   const law::ImpactProblem problem{
       {n, island.row_start.data(), island.column.data(), island.value.data(),
        island.diagonal.data()},
       island.closing_speed.data(),
       island.gap.data(),
       island.stiffness.data(),
-      restitution,
+      restitution.data(),
       viscous ? law::Dissipation::kViscous : law::Dissipation::kBistiffness,
       horizon,
       last ? horizon : 0.1 * horizon,

@@ -109,9 +109,10 @@ MUJOCO_IMPACT_API double mujoco_impact_passive_scale(int size, const int* row_st
 MUJOCO_IMPACT_API int mujoco_impact_solve(int size, const int* row_start, const int* column,
                                           const double* value, const double* closing_speed,
                                           const double* gap, const double* stiffness,
-                                          double restitution, int dissipation, double horizon,
-                                          double tolerance, int passive, double* impulse,
-                                          double* moment, double* onset, double* after) {
+                                          const double* restitution, int dissipation,
+                                          double horizon, double tolerance, int passive,
+                                          double* impulse, double* moment, double* onset,
+                                          double* after) {
   const std::vector<double> diagonal = Diagonal(size, row_start, column, value);
   std::vector<double> numbers(law::ImpactNumbers(size));
   std::vector<int> indices(law::ImpactIndices(size));
@@ -136,7 +137,7 @@ MUJOCO_IMPACT_API int mujoco_impact_solve(int size, const int* row_start, const 
 MUJOCO_IMPACT_API int mujoco_impact_solve_with_friction(
     int size, const int* row_start, const int* column, const double* value, const double* block,
     const double* closing_speed, const double* slip, const double* gap, const double* stiffness,
-    const double* mu, double restitution, int dissipation, double horizon, double tolerance,
+    const double* mu, const double* restitution, int dissipation, double horizon, double tolerance,
     int passive, double* impulse, double* moment, double* onset, double* after, double* friction,
     double* friction_moment, double* slip_after) {
   const std::vector<double> diagonal = Diagonal(size, row_start, column, value);

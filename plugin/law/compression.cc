@@ -58,6 +58,7 @@ class Integrator {
   void UpdatePhases();
   void SetRates();
   void MoveWindow();
+  double restitution(int i) const { return problem_.restitution[lanes_.contact(i)]; }
   [[gnu::noinline]] SingleFriction Alone(int i) const;
   int ClosingAlone() const;
   void CollideAlone(int i);
@@ -67,7 +68,6 @@ class Integrator {
   ImpactSolution& solution_;
   const ImpactScale scale_;
   const bool lossless_;
-  const bool drops_expansion_;
   Lanes lanes_;
   double t_ = 0, work_ = 0;
 
@@ -84,8 +84,7 @@ Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution,
     : problem_(problem),
       solution_(*solution),
       scale_(MeasureScale(problem)),
-      lossless_(problem.restitution == 1),
-      drops_expansion_(problem.restitution < kNoExpansion),
+      lossless_(IsLossless(problem)),
       lanes_(problem, *solution, scale_, kArrays + (problem.friction ? FrictionStep::kArrays : 0),
              workspace) {
   double** const arrays[kArrays] = {&rate_,     &y_new_,    &c_new_,    &y_stage_,
@@ -167,12 +166,13 @@ double Integrator::TryFriction(double h) {
 // Whether a step of length h has followed the contact of lane i too far beyond its turn: for δt, in
 // which y went at the rate before, c to c_new, and y is off by ½ |c_new| δt (1/e² − 1).
 bool Integrator::OvershootsTurn(int i, double h) const {
-  const double e = problem_.restitution, c = lanes_.c[i], c_new = c_new_[i];
+  const double c = lanes_.c[i], c_new = c_new_[i];
   if (y_new_[i] <= 0 || c * c_new >= 0) return false;
   const double c_floor = kSpeedFloor * problem_.tolerance * scale_.speed;
   if (std::abs(c_new) <= c_floor) return false;
+  const double e = restitution(i);
   // a compression that is dropped at the turn has pressed too long
-  if (drops_expansion_) return true;
+  if (e < kNoExpansion) return true;
   const double overshoot = h * c_new / (c_new - c);
   const double error = 0.5 * std::abs(c_new) * overshoot * (1 / (e * e) - 1);
   return error > kTurnError * problem_.tolerance * scale_.compression;
@@ -239,18 +239,21 @@ void Integrator::UpdatePhases() {
 
 // The rate of expansion; a contact that may not expand drops its compression.
 void Integrator::SetRates() {
-  const double e = problem_.restitution;
   const double c_floor = kSpeedFloor * problem_.tolerance * scale_.speed;
   bool dropped = false;
   for (int i = 0; i < lanes_.size(); ++i) {
     // within the floor the sign that c is about to have decides
     const double ahead = std::abs(lanes_.c[i]) < c_floor ? -pull_[0][i] : lanes_.c[i];
     const bool expands = lanes_.y[i] > 0 && ahead < 0;
-    if (expands && drops_expansion_) {
+    rate_[i] = 1;
+    if (!expands) continue;
+    const double e = restitution(i);
+    if (e < kNoExpansion) {
       lanes_.y[i] = 0;
       dropped = true;
+    } else {
+      rate_[i] = 1 / (e * e);
     }
-    rate_[i] = expands && !drops_expansion_ ? 1 / (e * e) : 1;
   }
   if (dropped) EvaluateStage(lanes_.y, 0);
 }
@@ -259,7 +262,7 @@ void Integrator::SetRates() {
 SingleFriction Integrator::Alone(int i) const {
   const DelassusMatrix& W = problem_.delassus;
   const int k = lanes_.contact(i);
-  const double c = lanes_.c[i], K = problem_.stiffness[k], e = problem_.restitution;
+  const double c = lanes_.c[i], K = problem_.stiffness[k], e = problem_.restitution[k];
   if (friction_ && friction_->mu(i) > 0) {
     return SolveSingleFriction({W.diagonal[k],
                                 OwnBlock(W, *problem_.friction, k),

@@ -11,6 +11,15 @@ double EffectiveModulus(double young, double poisson) {
   return young / (2 * (1 - poisson * poisson));
 }
 
+double Compliance(double young, double poisson) { return (1 - poisson * poisson) / young; }
+
+double CompositeRestitution(double e1, double compliance1, double e2, double compliance2) {
+  if (e1 == e2) return e1;
+  // e² = (C₁ e₁² + C₂ e₂²)/(C₁ + C₂)
+  const double returned = compliance1 * e1 * e1 + compliance2 * e2 * e2;
+  return std::sqrt(returned / (compliance1 + compliance2));
+}
+
 double HertzStiffness(double effective_modulus, double curvature) {
   // K = 4/3 E* √R*
   return 4.0 / 3.0 * effective_modulus / std::sqrt(curvature);

@@ -3,7 +3,7 @@
 //
 //   F = K y³ᐟ²                      y ≥ 0 compression [m], F force [N]
 //   K = 4/3 E* √R*                  stiffness [N/m³ᐟ²]
-//   1/E* = 2 (1 − ν²)/E             both bodies of one material: E [Pa], ν [-]
+//   1/E* = C₁ + C₂                  C = (1 − ν²)/E compliance of a body [1/Pa]: E [Pa], ν [-]
 //   1/R* = 1/R₁ + 1/R₂              R = ∞ for a flat, given as curvature 0
 //
 // Two bodies of reduced mass μ [kg] that close with speed u [m/s] and separate without loss:
@@ -21,6 +21,18 @@ namespace mujoco_impact::law {
 
 // Plane-strain modulus E* [Pa] of two bodies of the same material.
 double EffectiveModulus(double young, double poisson);
+
+// C = (1 − ν²)/E [1/Pa].
+double Compliance(double young, double poisson);
+
+// Restitution of two bodies in contact. Both feel the same force, so each takes up the part C_i /
+// (C₁ + C₂) of the work of compression, of which e_i² comes back:
+//
+//   e² = (C₁ e₁² + C₂ e₂²)/(C₁ + C₂)
+//
+// e_i is that of a body against one of its own material. Source: R. B. Coaplen, W. J. Stronge, B.
+// Ravani, Work equivalent composite coefficient of restitution, Int. J. Impact Eng. 30 (2004).
+double CompositeRestitution(double e1, double compliance1, double e2, double compliance2);
 
 // Hertz stiffness K [N/m^1.5]; `curvature` is 1/R1 + 1/R2 [1/m], positive.
 double HertzStiffness(double effective_modulus, double curvature);

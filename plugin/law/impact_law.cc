@@ -23,7 +23,7 @@ namespace {
 constexpr double kMostScale = 10;
 
 bool IsViscous(const ImpactProblem& problem) {
-  return problem.dissipation == Dissipation::kViscous && problem.restitution < 1;
+  return problem.dissipation == Dissipation::kViscous && !IsLossless(problem);
 }
 
 ImpactReport SolveIsolated(const ImpactProblem& problem, ImpactSolution* solution) {
@@ -33,12 +33,13 @@ ImpactReport SolveIsolated(const ImpactProblem& problem, ImpactSolution* solutio
   if (solution->peak) solution->peak[0] = 0;
   if (u <= 0 || problem.gap[0] > u * problem.horizon) return {0, true};
   const double mu = 1 / problem.delassus.diagonal[0];
-  const SingleImpact single = SolveSingleImpact(mu, u, problem.stiffness[0], problem.restitution);
+  const double e = problem.restitution[0];
+  const SingleImpact single = SolveSingleImpact(mu, u, problem.stiffness[0], e);
   const double onset = problem.gap[0] / u;
   solution->impulse[0] = single.impulse;
   solution->moment[0] = single.moment + onset * single.impulse;
   solution->onset[0] = onset;
-  solution->closing_speed[0] = -problem.restitution * u;
+  solution->closing_speed[0] = -e * u;
   if (solution->peak) solution->peak[0] = single.peak;
   return {1, true};
 }
@@ -94,7 +95,7 @@ ImpactReport SolveIsolatedFriction(const ImpactProblem& problem, ImpactSolution*
                                                        {friction.slip[0], friction.slip[1]},
                                                        mu,
                                                        problem.stiffness[0],
-                                                       problem.restitution},
+                                                       problem.restitution[0]},
                                                       problem.tolerance);
     const double onset = problem.gap[0] / u;
     solution->impulse[0] = single.impulse;
@@ -151,7 +152,7 @@ ImpactReport SolveImpact(const ImpactProblem& problem, bool passive, ImpactSolut
   const double s = ConservativeScale(problem.delassus, problem.closing_speed, solution->impulse,
                                      workspace.numbers);
   // also one that was cut short, whose end by itself is plastic
-  const double factor = problem.restitution == 1 ? s : std::min(1.0, s);
+  const double factor = IsLossless(problem) ? s : std::min(1.0, s);
   if (s > 0 && s < kMostScale) {
     Scale(factor, n, solution->impulse);
     Scale(factor, n, solution->moment);

@@ -16,6 +16,7 @@
 #ifndef MUJOCO_IMPACT_LAW_IMPACT_PROBLEM_H_
 #define MUJOCO_IMPACT_LAW_IMPACT_PROBLEM_H_
 
+#include <algorithm>
 #include <limits>
 
 #include "law/coulomb.h"
@@ -34,7 +35,7 @@ struct ImpactProblem {
   const double* closing_speed;  // (size) c_k(0) [m/s]
   const double* gap;            // (size) [m] ≥ 0; 0 also for contacts that overlap
   const double* stiffness;      // (size) K_k [N/m^1.5]
-  double restitution;           // e in [0, 1]
+  const double* restitution;    // (size) e_k in [0, 1]
   Dissipation dissipation;
   // [s] a contact that would close later, all others open, or after a longer flight, is left alone,
   // but for what belongs to the same impact (impact_clock.h)
@@ -47,6 +48,12 @@ struct ImpactProblem {
   double longest_flight = std::numeric_limits<double>::infinity();
   const CoulombFriction* friction = nullptr;  // null: none
 };
+
+// Whether no contact loses energy.
+inline bool IsLossless(const ImpactProblem& problem) {
+  const double* e = problem.restitution;
+  return std::all_of(e, e + problem.delassus.size, [](double one) { return one == 1; });
+}
 
 // Arrays of `size`, owned by the caller.
 struct ImpactSolution {

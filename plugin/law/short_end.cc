@@ -66,7 +66,8 @@ double EndShort(const ImpactProblem& problem, double t, ImpactSolution* solution
   FindBounds(problem, t, *solution, numbers, bound);
   SpeedsAfter(problem, *solution);
   const double* c = solution->closing_speed;
-  const double e = problem.restitution, work = problem.work_of_end;
+  const double e = *std::min_element(problem.restitution, problem.restitution + n);
+  const double work = problem.work_of_end;
   // far below what an impact is solved to: what sweeps leave depends on the order of the contacts
   const double floor = 0.01 * problem.tolerance * MeasureScale(problem).speed;
   StoppingImpulses stopping(problem.delassus, numbers);

@@ -4,11 +4,11 @@
 //
 //   p ≥ 0  ⊥  g / t_left − (c − W p) ≥ 0
 //
-// are given 1 + e times, again and again until nothing closes before the horizon; once, and
-// plastically, if there is no work for that either. A contact may close as far as its gap allows,
-// so nothing pushes from afar; what springs hold is dropped. An elastic impact then goes on as a
-// sequence of simultaneous ones (Smith, Kaufman, Vouga, Tamstorf and Grinspun: Reflections on
-// Simultaneous Impact, 2012).
+// are given 1 + e times, e the lowest of the island, again and again until nothing closes before
+// the horizon; once, and plastically, if there is no work for that either. A contact may close as
+// far as its gap allows, so nothing pushes from afar; what springs hold is dropped. An elastic
+// impact then goes on as a sequence of simultaneous ones (Smith, Kaufman, Vouga, Tamstorf and
+// Grinspun: Reflections on Simultaneous Impact, 2012).
 //
 // p by projected Gauss-Seidel, which minimises ½ pᵀW p − (c − g / t_left)ᵀp contact by contact from
 // zero on. However few sweeps there is work for, the change of kinetic energy ½ pᵀW p − cᵀp is not

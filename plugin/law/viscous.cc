@@ -37,7 +37,7 @@ class Integrator {
   Integrator(const ImpactProblem& problem, ImpactSolution* solution, const Workspace& workspace);
   ImpactReport Run();
 
-  static constexpr int kArrays = 2 + 3 * kStages;
+  static constexpr int kArrays = 4 + 3 * kStages;
   static constexpr int kProducts = 2 * kStages;  // by W a step, the longer sums by lane included
 
  private:
@@ -46,16 +46,19 @@ class Integrator {
   double TryStep(double h);
   double TryFriction(double h);
   void Accept(double h);
+  void FindDamping();
+  void LoadDamping();
   void MoveWindow();
 
   const ImpactProblem& problem_;
   ImpactSolution& solution_;
   const ImpactScale scale_;
-  const double damping_;  // x / c_ref [s/m]
   Lanes lanes_;
   double t_ = 0, work_ = 0;
   // by lane: the step tried, and F, W F, c at the stages
   double *y_new_, *c_new_;
+  double* damping_;             // x / c_ref [s/m]
+  double* damping_of_contact_;  // the same by contact
   double *force_[kStages], *pull_[kStages], *speed_[kStages];
   std::optional<FrictionStep> friction_;
   double* rate_ = nullptr;  // with friction: dy/dt over c, by lane
@@ -66,11 +69,12 @@ Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution,
     : problem_(problem),
       solution_(*solution),
       scale_(MeasureScale(problem)),
-      damping_(scale_.speed > 0 ? ViscousDamping(problem.restitution) / scale_.speed : 0),
       lanes_(problem, *solution, scale_,
              kArrays + (problem.friction ? FrictionStep::kArrays + 1 : 0), workspace),
       y_new_(lanes_.Take()),
-      c_new_(lanes_.Take()) {
+      c_new_(lanes_.Take()),
+      damping_(lanes_.Take()),
+      damping_of_contact_(lanes_.Take()) {
   for (int i = 0; i < kStages; ++i) {
     force_[i] = lanes_.Take();
     pull_[i] = lanes_.Take();
@@ -81,7 +85,23 @@ Integrator::Integrator(const ImpactProblem& problem, ImpactSolution* solution,
     rate_ = lanes_.Take();
     std::fill_n(rate_, problem.delassus.size, 1.0);
   }
+  FindDamping();
+  LoadDamping();
   EvaluateStage(lanes_.y, lanes_.c, 0);
+}
+
+// Contacts of the same restitution side by side are worked out once.
+void Integrator::FindDamping() {
+  if (scale_.speed <= 0) return;
+  const double* e = problem_.restitution;
+  for (int k = 0; k < problem_.delassus.size; ++k) {
+    damping_of_contact_[k] = k > 0 && e[k] == e[k - 1] ? damping_of_contact_[k - 1]
+                                                       : ViscousDamping(e[k]) / scale_.speed;
+  }
+}
+
+void Integrator::LoadDamping() {
+  for (int i = 0; i < lanes_.size(); ++i) damping_[i] = damping_of_contact_[lanes_.contact(i)];
 }
 
 // F_k = K_k y_k³ᐟ² (1 + x c_k/c_ref), never attracting.
@@ -89,7 +109,7 @@ void Integrator::EvaluateStage(const double* y, const double* c, int stage) {
   const double* K = lanes_.stiffness;
   double* __restrict F = force_[stage], * __restrict speed = speed_[stage];
   for (int i = 0; i < lanes_.padded(); ++i) {
-    const double loss = 1 + damping_ * c[i];
+    const double loss = 1 + damping_[i] * c[i];
     const double pressed = y[i] > 0 ? y[i] : 0;
     F[i] = K[i] * pressed * std::sqrt(pressed) * (loss > 0 ? loss : 0);
     speed[i] = c[i];
@@ -174,6 +194,7 @@ void Integrator::MoveWindow() {
   LeaveLateClosings(problem_, scale_, t_, lanes_);
   if (!lanes_.Move(t_)) return;
   if (friction_) friction_->Load();
+  LoadDamping();
   work_ += SearchCost(problem_, lanes_);
   EvaluateStage(lanes_.y, lanes_.c, 0);
 }

@@ -37,5 +37,24 @@ TEST(HertzContact, StiffnessOfTwoSteelBallsOfThirtyMillimetres) {
   EXPECT_NEAR(HertzStiffness(modulus, 2 / 0.015) / expected, 1, 1e-14);
 }
 
+TEST(HertzContact, OfTwoMaterialsTheSofterDecides) {
+  const double steel = Compliance(2e11, 0.3), rubber = Compliance(2e6, 0.5);
+  // a part of 1e-5 of the work goes into the steel
+  EXPECT_NEAR(CompositeRestitution(0.9, steel, 0.5, rubber), 0.5, 1e-5);
+  EXPECT_EQ(CompositeRestitution(0.9, steel, 0.5, rubber),
+            CompositeRestitution(0.5, rubber, 0.9, steel));
+}
+
+TEST(HertzContact, EachBodyGivesBackItsPartOfTheWork) {
+  // of three quarters of the work .64 comes back, of a quarter .16: to rounding
+  EXPECT_NEAR(CompositeRestitution(0.8, 3e-11, 0.4, 1e-11), std::sqrt(0.75 * 0.64 + 0.25 * 0.16),
+              1e-15);
+}
+
+TEST(HertzContact, TwoOfOneMaterialAreThatMaterial) {
+  EXPECT_NEAR(2 * Compliance(2e11, 0.3) * EffectiveModulus(2e11, 0.3), 1, 1e-15);
+  EXPECT_EQ(CompositeRestitution(0.7, 1e-11, 0.7, 3e-11), 0.7);
+}
+
 }  // namespace
 }  // namespace mujoco_impact::law

@@ -238,12 +238,12 @@ TEST(ImpactLaw, ABallBetweenTwoWallsGainsNothing) {
   const int row_start[] = {0, 2, 4}, column[] = {0, 1, 0, 1};
   const double value[] = {5, -5, -5, 5}, diagonal[] = {5, 5};
   const DelassusMatrix W{2, row_start, column, value, diagonal};
-  const double closing[] = {0.3, -0.3}, stiffness[] = {1e10, 1e10};
+  const double closing[] = {0.3, -0.3}, stiffness[] = {1e10, 1e10}, e[] = {1, 1};
   int even = 0;
   for (int i = 1; i <= 40; ++i) {
     const double gap[] = {0, 2e-5};
     const double horizon = 1e-4 * i;
-    const ImpactProblem problem{W, closing, gap, stiffness, 1, kBi, horizon, horizon, 1e-3};
+    const ImpactProblem problem{W, closing, gap, stiffness, e, kBi, horizon, horizon, 1e-3};
     double impulse[2], moment[2], onset[2], after[2];
     std::vector<double> numbers(ImpactNumbers(2));
     std::vector<int> indices(ImpactIndices(2));

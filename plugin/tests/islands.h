@@ -56,7 +56,8 @@ class FreeIsland {
   };
 
   struct Options {
-    double restitution = 1;
+    double restitution = 1;                 // of every contact
+    std::vector<double> restitutions = {};  // of each; empty: the one above
     Dissipation dissipation = Dissipation::kBistiffness;
     double tolerance = kDefaultTolerance;
     bool by_body = false;
@@ -84,12 +85,14 @@ class FreeIsland {
       friction.block = block_.data();
       friction.work = work_.data();
     }
+    std::vector<double> restitution = options.restitutions;
+    if (restitution.empty()) restitution.assign(n_, options.restitution);
     const double infinity = std::numeric_limits<double>::infinity();
     ImpactProblem problem{W,
                           closing_.data(),
                           gap_.data(),
                           stiffness_.data(),
-                          options.restitution,
+                          restitution.data(),
                           options.dissipation,
                           infinity,
                           infinity,

@@ -27,7 +27,8 @@ struct RowResult {
 };
 
 struct RowOptions {
-  double restitution = 1;
+  double restitution = 1;                 // of every contact
+  std::vector<double> restitutions = {};  // of each; empty: the one above
   Dissipation dissipation = Dissipation::kBistiffness;
   double tolerance = kDefaultTolerance;
   double horizon = std::numeric_limits<double>::infinity();
@@ -69,9 +70,11 @@ inline RowResult Collide(const Row& row, const RowOptions& options = {}) {
   if (gap.empty()) gap.assign(n, 0.0);
   if (stiffness.empty()) stiffness.assign(n, 1e10);
   closing[row.incoming - 1] = 1;
-  const ImpactProblem problem{matrix.View(),    closing.data(),      gap.data(),
-                              stiffness.data(), options.restitution, options.dissipation,
-                              options.horizon,  options.horizon,     options.tolerance};
+  std::vector<double> restitution = options.restitutions;
+  if (restitution.empty()) restitution.assign(n, options.restitution);
+  const ImpactProblem problem{matrix.View(),    closing.data(),     gap.data(),
+                              stiffness.data(), restitution.data(), options.dissipation,
+                              options.horizon,  options.horizon,    options.tolerance};
   const int size = static_cast<int>(n);
   std::vector<double> numbers(ImpactNumbers(size)), after(n);
   std::vector<int> indices(ImpactIndices(size));

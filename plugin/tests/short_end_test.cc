@@ -86,8 +86,15 @@ struct Solved {
 Solved Solve(const DelassusMatrix& W, const Heap& heap, double e, double work,
              double work_of_end = 1e7, Dissipation dissipation = Dissipation::kBistiffness) {
   const int n = W.size;
-  ImpactProblem problem{W,   heap.closing.data(), heap.gap.data(), heap.stiffness.data(),
-                        e,   dissipation,         kHorizon,        kHorizon,
+  const std::vector<double> restitution(n, e);
+  ImpactProblem problem{W,
+                        heap.closing.data(),
+                        heap.gap.data(),
+                        heap.stiffness.data(),
+                        restitution.data(),
+                        dissipation,
+                        kHorizon,
+                        kHorizon,
                         1e-6};
   problem.work = work;
   problem.work_of_end = work_of_end;

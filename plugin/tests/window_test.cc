@@ -47,11 +47,12 @@ struct Contacts {
   ImpactReport Solve(double horizon, double tolerance) {
     const int n = static_cast<int>(closing.size());
     for (auto* result : {&impulse, &moment, &onset, &after}) result->assign(n, std::nan(""));
+    const std::vector<double> restitution(n, 1.0);
     const ImpactProblem problem{{n, row_start.data(), column.data(), value.data(), diagonal.data()},
                                 closing.data(),
                                 gap.data(),
                                 stiffness.data(),
-                                1,
+                                restitution.data(),
                                 Dissipation::kBistiffness,
                                 horizon,
                                 horizon,

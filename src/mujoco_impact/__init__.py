@@ -19,6 +19,11 @@ load_or_warn()
 from mujoco_impact import _gymnasium_hook, pickling  # noqa: E402
 from mujoco_impact.errors import ImpactError, ImpactWarning  # noqa: E402
 from mujoco_impact.impact import Impact  # noqa: E402
+from mujoco_impact.materials import (  # noqa: E402
+    MATERIALS,
+    Material,
+    MaterialPair,
+)
 from mujoco_impact.runner import run  # noqa: E402
 from mujoco_impact.scene import attach, detach  # noqa: E402
 from mujoco_impact.sensor import read_sensor, sensor_slice  # noqa: E402
@@ -34,12 +39,15 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
+    "MATERIALS",
     "SETTINGS",
     "Calibration",
     "Comparison",
     "Impact",
     "ImpactError",
     "ImpactWarning",
+    "Material",
+    "MaterialPair",
     "Rollouts",
     "Trajectory",
     "__version__",

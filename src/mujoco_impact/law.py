@@ -68,7 +68,7 @@ def solve_impact(
     stiffness: npt.ArrayLike,
     *,
     gap: npt.ArrayLike = 0.0,
-    restitution: float = 1.0,
+    restitution: npt.ArrayLike = 1.0,
     dissipation: Literal["bistiffness", "viscous"] = "bistiffness",
     horizon: float = np.inf,
     tolerance: float = 1e-6,
@@ -81,7 +81,8 @@ def solve_impact(
         closing_speed: c [m/s], shape (n,), positive where the contact closes.
         stiffness: Hertz stiffness K [N/m^1.5], shape (n,) or one for all.
         gap: Gap still open [m] ≥ 0, shape (n,) or one for all.
-        restitution: e in [0, 1]; at least 0.05 for `viscous`.
+        restitution: e in [0, 1], shape (n,) or one for all; at least 0.05 for
+            `viscous`.
         dissipation: How energy is lost, see `plugin/law/`.
         horizon: A contact that would close later than this [s], all others open,
             is left alone.
@@ -97,11 +98,12 @@ def solve_impact(
     K = np.ascontiguousarray(np.broadcast_to(stiffness, n), dtype=np.float64)
     y = np.ascontiguousarray(np.broadcast_to(gap, n), dtype=np.float64)
     _check_island(W, c, K, y)
-    _check_loss(restitution, dissipation, tolerance)
+    e = np.ascontiguousarray(np.broadcast_to(restitution, n), dtype=np.float64)
+    _check_loss(e, dissipation, tolerance)
     row_start, column, value = _compressed_rows(W)
     P, M, t, after = (np.zeros(n) for _ in range(4))
     steps = _library().mujoco_impact_solve(
-        n, row_start, column, value, c, y, K, restitution, _DISSIPATION[dissipation],
+        n, row_start, column, value, c, y, K, e, _DISSIPATION[dissipation],
         horizon, tolerance, int(passive), P, M, t, after,
     )  # fmt: skip
     if steps < 0:
@@ -138,7 +140,7 @@ def solve_impact_with_friction(
     mu: npt.ArrayLike,
     *,
     gap: npt.ArrayLike = 0.0,
-    restitution: float = 1.0,
+    restitution: npt.ArrayLike = 1.0,
     dissipation: Literal["bistiffness", "viscous"] = "bistiffness",
     horizon: float = np.inf,
     tolerance: float = 1e-6,
@@ -157,9 +159,9 @@ def solve_impact_with_friction(
         stiffness: Hertz stiffness K [N/m^1.5], shape (n,) or one for all.
         mu: Coefficient of friction [-] ≥ 0, shape (n,) or one for all.
         gap: Gap still open [m] ≥ 0, shape (n,) or one for all.
-        restitution: e in [0, 1], at least 0.05 for `viscous`. It is energetic: a
-            sticking contact whose tangents couple with its normal parts faster than
-            with e |u_n|.
+        restitution: e in [0, 1], shape (n,) or one for all; at least 0.05 for
+            `viscous`. It is energetic: a sticking contact whose tangents couple
+            with its normal parts faster than with e |u_n|.
         dissipation: How energy is lost along the normal, see `plugin/law/`.
         horizon: A contact that would close later than this [s], all others open,
             is left alone.
@@ -186,7 +188,8 @@ def solve_impact_with_friction(
     )
     c, slip = np.ascontiguousarray(-u[:, 0]), np.ascontiguousarray(u[:, 1:])
     _check_island(W[::3, ::3], c, K, y)
-    _check_loss(restitution, dissipation, tolerance)
+    e = np.ascontiguousarray(np.broadcast_to(restitution, n), dtype=np.float64)
+    _check_loss(e, dissipation, tolerance)
     if not np.all(np.isfinite(friction) & (friction >= 0)):
         raise LawError(f"mu = {friction}: allowed: finite numbers >= 0")
     # (n, n, 3, 3): the couplings of two contacts
@@ -200,7 +203,7 @@ def solve_impact_with_friction(
     Q, N, slip_after = (np.zeros((n, 2)) for _ in range(3))
     steps = _library().mujoco_impact_solve_with_friction(
         n, start, columns.astype(np.int32), np.ascontiguousarray(entries[:, 0, 0]),
-        np.ascontiguousarray(block), c, slip, y, K, friction, restitution,
+        np.ascontiguousarray(block), c, slip, y, K, friction, e,
         _DISSIPATION[dissipation], horizon, tolerance, int(passive), P, M, t, after,
         Q, N, slip_after,
     )  # fmt: skip
@@ -333,12 +336,12 @@ def _library() -> ctypes.CDLL:
     library.mujoco_impact_passive_scale.argtypes = [*rows, _DOUBLES, _DOUBLES]
     library.mujoco_impact_solve.restype = integer
     library.mujoco_impact_solve.argtypes = [
-        *rows, _DOUBLES, _DOUBLES, _DOUBLES, number, integer, number, number, integer,
+        *rows, *[_DOUBLES] * 4, integer, number, number, integer,
         _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES,
     ]  # fmt: skip
     library.mujoco_impact_solve_with_friction.restype = integer
     library.mujoco_impact_solve_with_friction.argtypes = [
-        *rows, *[_DOUBLES] * 6, number, integer, number, number, integer,
+        *rows, *[_DOUBLES] * 7, integer, number, number, integer,
         *[_DOUBLES] * 7,
     ]  # fmt: skip
     return library
@@ -373,12 +376,14 @@ def _check_island(W: Array, c: Array, K: Array, gap: Array) -> None:
         raise LawError(f"gap = {gap}: allowed: numbers >= 0 [m]")
 
 
-def _check_loss(restitution: float, dissipation: str, tolerance: float) -> None:
+def _check_loss(restitution: Array, dissipation: str, tolerance: float) -> None:
     if dissipation not in _DISSIPATION:
         msg = f"dissipation = {dissipation!r}; allowed: {sorted(_DISSIPATION)}"
         raise LawError(msg)
     low = 0.05 if dissipation == "viscous" else 0.0
-    if not low <= restitution <= 1:
-        raise LawError(f"restitution = {restitution}; allowed: [{low}, 1]")
+    if not np.all((low <= restitution) & (restitution <= 1)):
+        values = np.unique(restitution)
+        shown = values[0] if len(values) == 1 else restitution
+        raise LawError(f"restitution = {shown}; allowed: [{low}, 1]")
     if not 1e-12 <= tolerance <= 1e-2:
         raise LawError(f"tolerance = {tolerance}; allowed: [1e-12, 1e-2]")

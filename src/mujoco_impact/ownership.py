@@ -62,7 +62,15 @@ def owned_geoms(spec: mujoco.MjSpec) -> dict[str, tuple[str, ...] | None]:
         Names of the owned geoms by instance name; None for an instance without a
         tuple, which owns every geom.
     """
-    tuples = {element.name: tuple(element.objname) for element in spec.tuples}
+    # what has a negative number is not owned: the tuple only says its material
+    tuples = {
+        element.name: tuple(
+            geom
+            for geom, number in zip(element.objname, element.objprm, strict=True)
+            if number >= 0
+        )
+        for element in spec.tuples
+    }
     return {instance: tuples.get(instance) for instance in our_instances(spec)}
 
 

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import mujoco
 
 from mujoco_impact._plugin import PLUGIN_NAME
+from mujoco_impact.assignment import Materials, Pairs, assign_materials
 from mujoco_impact.blind_sensors import warn_of_blind_sensors
 from mujoco_impact.depth import ROUNDING, default_depth
 from mujoco_impact.errors import ConfigError, SceneError
@@ -33,6 +34,9 @@ def attach(
     gap: float | None = None,
     depth: float | None = None,
     speed: float | None = None,
+    materials: Materials | None = None,
+    assign: Mapping[str, str] | None = None,
+    pairs: Pairs | None = None,
     **settings: Setting,
 ) -> mujoco.MjSpec:
     """Returns a copy of a scene whose impacts are computed by the plugin.
@@ -63,6 +67,14 @@ def attach(
             pose, as of rounding. If `duration` is longer than a Hertz contact, what
             bodies overlap during a pulse, but 1 to 50 % of half of the width of the
             smallest owned geom. Doubles between two owned geoms.
+        materials: Materials by name, `Material` or a dict of its attributes, beside
+            those of `MATERIALS`.
+        assign: Name of the material by name of the geom, or by a pattern such as
+            "ball*". Geoms need not be owned. A geom of no material is as the settings
+            have it.
+        pairs: What counts between two materials or geoms, by both names in any order,
+            `MaterialPair` or a dict of its attributes, such as
+            {("cue", "cushion"): {"restitution": 0.85}}.
         **settings: Settings of the impact law, see `mujoco_impact.settings.SETTINGS`;
             for example `restitution=0.9`, `young=210e9`, `duration="paper"`.
 
@@ -71,7 +83,7 @@ def attach(
 
     Raises:
         SceneError: If the scene cannot be read, or cannot take the plugin.
-        ConfigError: If a setting, the gap or the depth is not valid.
+        ConfigError: If a setting, a material, the gap or the depth is not valid.
         PluginError: If the plugin library cannot be loaded.
     """
     config = attributes(settings)
@@ -89,7 +101,9 @@ def attach(
     check_name(spec, name)
     owned = select_geoms(spec, geoms)
     check_owned(spec, owned)
-    _add_instance(spec, name, owned, config)
+    materials_of = assign_materials(spec, materials, assign, pairs)
+    config |= materials_of.config
+    _add_instance(spec, name, owned, config, materials_of.numbers)
     # lengths of the scene are known once it is compiled, with any valid margin
     set_margins(spec, owned, gap=ROUNDING, depth=ROUNDING)
     model = _compile_with_plugin(spec, config)
@@ -131,17 +145,29 @@ def detach(source: Source) -> mujoco.MjSpec:
 
 
 def _add_instance(
-    spec: mujoco.MjSpec, name: str, owned: Sequence[str], config: Mapping[str, str]
+    spec: mujoco.MjSpec,
+    name: str,
+    owned: Sequence[str],
+    config: Mapping[str, str],
+    materials: Mapping[str, int],
 ) -> None:
-    """Adds the plugin instance, the tuple of its geoms and its sensor."""
+    """Adds the plugin instance, the tuple of its geoms and its sensor.
+
+    The tuple also says of which material a geom is. Those that are not owned come last,
+    with a negative number.
+    """
     spec.activate_plugin(PLUGIN_NAME)
     instance = spec.add_plugin(name=name, plugin_name=PLUGIN_NAME, active=True)
     instance.config = dict(config)
+    others = sorted(set(materials) - set(owned))
     spec.add_tuple(
         name=name,
-        objtype=[mujoco.mjtObj.mjOBJ_GEOM] * len(owned),
-        objname=list(owned),
-        objprm=[1.0] * len(owned),
+        objtype=[mujoco.mjtObj.mjOBJ_GEOM] * (len(owned) + len(others)),
+        objname=[*owned, *others],
+        objprm=[
+            *(float(materials.get(geom, 0)) for geom in owned),
+            *(-float(materials[geom]) for geom in others),
+        ],
     )
     # the sensor also keeps the instance alive when models are attached to each other
     sensor = spec.add_sensor(name=name, type=mujoco.mjtSensor.mjSENS_PLUGIN)

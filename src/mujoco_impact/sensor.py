@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import mujoco
+import numpy as np
 
 from mujoco_impact.errors import SceneError
 from mujoco_impact.trajectory import Array
@@ -88,5 +89,9 @@ def sensor_slice(model: Any, name: str = "impact") -> slice:
     numbers = int(model.sensor_dim[sensor])
     owned = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TUPLE, name)
     if owned >= 0:
-        numbers = NUMBERS_PER_GEOM * int(model.tuple_size[owned])
+        first = int(model.tuple_adr[owned])
+        elements = slice(first, first + int(model.tuple_size[owned]))
+        # geoms with a negative number are not owned
+        number = int(np.count_nonzero(model.tuple_objprm[elements] >= 0))
+        numbers = NUMBERS_PER_GEOM * number
     return slice(start, start + numbers)

@@ -181,7 +181,8 @@ def test_the_attribute_table_has_every_attribute_and_no_other():
     text = (ROOT / "plugin/README.md").read_text(encoding="utf-8")
     table = text[text.index("## Attributes") : text.index("## Sensor")]
     rows = re.findall(r"^\| `(\w+)` \|", table, re.M)
-    assert sorted(rows) == sorted(mujoco_impact.settings.SETTINGS)
+    of_materials = ["materials", "material_pairs"]
+    assert sorted(rows) == sorted([*mujoco_impact.settings.SETTINGS, *of_materials])
 
 
 @pytest.mark.parametrize(

@@ -84,6 +84,54 @@ def compile_with(config, option="", third=("geom", "c")):
         ({"friction": "paper", "mu_s": "-1", "mu_d": "0"}, "mu_s", ">= 0"),
         ({"friction": "paper", "mu_s": "0", "mu_d": "inf"}, "mu_d", ">= 0"),
         ({"mu_s": "0.1"}, "mu_s", "friction = 'paper'"),
+        ({"materials": "a restitution=1.1"}, "materials", "a number in [0, 1]"),
+        ({"materials": "a restitution_loss=-1"}, "materials", ">= 0 [(s/m)^(1/5)]"),
+        ({"materials": "a young=0"}, "materials", "> 0 [Pa]"),
+        ({"materials": "a poisson=.6"}, "materials", "(-1, 0.5]"),
+        ({"materials": "a friction=x"}, "materials", "a finite number >= 0"),
+        ({"materials": "a colour=red"}, "materials", "'colour', must be restitution"),
+        ({"materials": "a young"}, "materials", "'young', must be restitution"),
+        ({"materials": "young=1e9"}, "materials", "a name first"),
+        ({"materials": "a; b; a"}, "materials", "'a' must have one entry"),
+        (
+            {"materials": "a restitution=1 restitution_loss=.1"},
+            "materials",
+            "only one of restitution",
+        ),
+        *(
+            ({"materials": f"a restitution_table={table}"}, "materials", "1 to 16")
+            for table in (
+                "",
+                "1",
+                "1:2",
+                "-1:.5",
+                "1:.5,1:.4",
+                "1:x",
+                ",".join(f"{u}:1" for u in range(17)),
+            )
+        ),
+        (
+            {"materials": "a restitution=.04", "dissipation": "viscous"},
+            "materials",
+            "[0.05, 1]",
+        ),
+        (CALIBRATED | {"materials": "a"}, "materials", "only with law = 'hertz'"),
+        ({"material_pairs": "a b friction=1"}, "material_pairs", "'a' is none of"),
+        (
+            {"materials": "a; b", "material_pairs": "a b; b a"},
+            "material_pairs",
+            "one entry of the pair",
+        ),
+        (
+            {"materials": "a; b", "material_pairs": "a restitution=.5"},
+            "material_pairs",
+            "a name first",
+        ),
+        (
+            {"materials": "a; b", "material_pairs": "a b young=1"},
+            "material_pairs",
+            "friction or modulus",
+        ),
     ],
 )
 def test_refused_with_attribute_value_and_what_is_allowed(config, name, allowed):
@@ -110,6 +158,9 @@ def test_a_long_value_leaves_room_for_what_is_allowed():
         {"duration": "paper", "w0": "7.5e-3", "sw": "0.5", "kappa": "1"},
         {"duration": "7.5e-3", "touch": "0", "passive": "false"},
         CALIBRATED | {"sw": "0.4", "e": "0.5", "duration": "hertz"},
+        {"materials": ""},
+        {"materials": ";; a ; b young=1 friction=0;", "material_pairs": "b a; b b;"},
+        {"materials": "a restitution_table=0:1,1e-1:.9,2:0 poisson=-0.5"},
     ],
 )
 def test_good_settings_compile(config):
@@ -124,6 +175,41 @@ def test_an_unknown_attribute_is_refused():
 def test_a_tuple_of_something_else_is_refused():
     with pytest.raises(ValueError, match="geoms only"):
         compile_with({}, third=("body", "world"))
+
+
+@pytest.mark.parametrize("number", ["3", "-3", "0.5"])
+def test_a_geom_of_no_known_material_is_refused(number):
+    xml = TEMPLATE.format(
+        config='<config key="materials" value="x; y"/>',
+        option="",
+        third="geom",
+        third_name=f'c" prm="{number}',
+    )
+    with pytest.raises(ValueError, match=r"number \(prm\) of geom 'c' in the tuple"):
+        mujoco.MjModel.from_xml_string(xml)
+
+
+def test_geoms_that_are_not_owned_come_last():
+    xml = TEMPLATE.format(
+        config='<config key="materials" value="x"/>',
+        option="",
+        third="geom",
+        third_name="c",
+    )
+    xml = xml.replace('objname="b"', 'objname="b" prm="-1"')
+    with pytest.raises(ValueError, match=r"'c' in the tuple .* come last"):
+        mujoco.MjModel.from_xml_string(xml)
+
+
+def test_materials_without_a_tuple_are_refused():
+    xml = TEMPLATE.format(
+        config='<config key="materials" value="x"/>',
+        option="",
+        third="geom",
+        third_name="c",
+    ).replace('tuple name="impact"', 'tuple name="another"')
+    with pytest.raises(ValueError, match="no tuple of its name says which geoms"):
+        mujoco.MjModel.from_xml_string(xml)
 
 
 @pytest.mark.parametrize(

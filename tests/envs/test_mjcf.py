@@ -37,6 +37,26 @@ def test_a_pymjcf_model_moves_as_the_same_mjspec_bit_for_bit():
     assert counts[1] >= 2
 
 
+def test_materials_of_a_pymjcf_model_are_those_of_the_mjspec():
+    xml = cradle_models.row("ABA")
+    options = {
+        "materials": {"worn": {"restitution": 0.7}},
+        "assign": {"ball_1": "steel", "ball_2": "worn"},
+        "pairs": {("ball_2", "ball_3"): {"restitution": 0.5}},
+    }
+    root = mjcf.from_xml_string(xml)
+    attach_mjcf(root, **options)
+    physics = physics_of(root)
+    model = mujoco_impact.attach(xml, **options).compile()
+    data = mujoco.MjData(model)
+    physics.data.qpos[0] = data.qpos[0] = -0.4
+    for _ in range(300):
+        physics.step()
+        mujoco.mj_step(model, data)
+    assert data.plugin_state[1] >= 2  # impacts
+    np.testing.assert_array_equal(physics.data.qpos, data.qpos)
+
+
 def two_rows():
     """An arena with two rows; names of the one occur in the other, too."""
     arena = mjcf.RootElement(model="arena")

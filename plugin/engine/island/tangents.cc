@@ -15,15 +15,6 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-// μ of a contact [-].
-mjtNum CoefficientOf(const mjContact& contact) {
-  return contact.dim == 1 ? 0 : std::min(contact.friction[0], contact.friction[1]);
-}
-
-bool IsCoulomb(const Config& config) {
-  return config.friction == Friction::kCoulomb && config.law == Law::kHertz;
-}
-
 // J_k M⁻¹ J_lᵀ of two rows.
 mjtNum Couple(const mjModel* m, const RowSegment* k, const RowSegment* l) {
   mjtNum sum = 0;
@@ -157,16 +148,15 @@ void FillSlipRow(const mjModel* m, const mjData* d, const ContactRow& row, const
   }
 }
 
-bool HasFriction(const Config& config, const Gathered& contacts, const int* position, int count) {
-  if (!IsCoulomb(config)) return false;
+bool HasFriction(const Materials& materials, const Gathered& contacts, const int* position,
+                 int count) {
   return std::any_of(position, position + count,
-                     [&contacts](int i) { return CoefficientOf(*contacts.contact[i]) > 0; });
+                     [&](int i) { return materials.Friction(*contacts.contact[i]) > 0; });
 }
 
-bool HasFriction(const Config& config, const Gathered& contacts) {
-  return IsCoulomb(config) &&
-         std::any_of(contacts.contact, contacts.contact + contacts.count,
-                     [](const mjContact* contact) { return CoefficientOf(*contact) > 0; });
+bool HasFriction(const Materials& materials, const Gathered& contacts) {
+  return std::any_of(contacts.contact, contacts.contact + contacts.count,
+                     [&](const mjContact* contact) { return materials.Friction(*contact) > 0; });
 }
 
 size_t TangentBytes(const mjModel* m, const Mobility& mobility, int contacts, size_t dofs,
@@ -189,8 +179,9 @@ size_t TangentBytes(const mjModel* m, const Mobility& mobility, int contacts, si
 }
 
 Tangents* BuildTangents(const mjModel* m, const mjData* d, const Mobility& mobility,
-                        const IslandSystem& system, const Motion& motion, mjtNum tau,
-                        const mjtNum* velocity, Scratch& scratch) {
+                        const Materials& materials, const IslandSystem& system,
+                        const Motion& motion, mjtNum tau, const mjtNum* velocity,
+                        Scratch& scratch) {
   const int n = system.size;
   const law::DelassusMatrix& W = system.delassus;
   auto* tangents = new (scratch.Take<Tangents>(1))
@@ -200,7 +191,7 @@ Tangents* BuildTangents(const mjModel* m, const mjData* d, const Mobility& mobil
   for (int k = 0; k < n; ++k) {
     const ContactRow& row = system.row[k];
     const TangentPlane plane = TangentsOf(row.normal);
-    mu[k] = CoefficientOf(*row.contact);
+    mu[k] = materials.Friction(*row.contact);
     const Vector3 belt = m->flg_surfacevel ? BeltVelocity(m, d, row, tau) : Vector3{};
     for (int i = 2 * k; i < 2 * k + 2; ++i) {
       SlipRow& along = tangents->row[i] = MakeSlipRow(m, row, scratch);

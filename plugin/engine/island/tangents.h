@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tangential rows of an island whose contacts have Coulomb friction (law/coulomb.h).
 //
-// The coefficient is MuJoCo's own of the contact: it has combined those of the geoms. Of two that
-// differ the smaller counts. Torsional and rolling friction are lengths of the size of the contact,
-// .1 mm in an impact, and are left to MuJoCo's contacts at rest.
+// The coefficient is MuJoCo's own of the contact, which has combined those of the geoms, unless a
+// material says otherwise (scene/materials.h). Torsional and rolling friction are lengths of the
+// size of the contact, .1 mm in an impact, and are left to MuJoCo's contacts at rest.
 
 #ifndef MUJOCO_IMPACT_ENGINE_ISLAND_TANGENTS_H_
 #define MUJOCO_IMPACT_ENGINE_ISLAND_TANGENTS_H_
@@ -18,7 +18,7 @@
 #include "engine/island/island_system.h"
 #include "engine/path/mobility.h"
 #include "engine/path/motion.h"
-#include "engine/scene/config.h"
+#include "engine/scene/materials.h"
 
 namespace mujoco_impact::engine {
 
@@ -41,10 +41,11 @@ struct TangentPlane {
 TangentPlane TangentsOf(const Vector3& normal);
 
 // Whether any contact of an island has friction.
-bool HasFriction(const Config& config, const Gathered& contacts, const int* position, int count);
+bool HasFriction(const Materials& materials, const Gathered& contacts, const int* position,
+                 int count);
 
 // Whether any contact at all has friction.
-bool HasFriction(const Config& config, const Gathered& contacts);
+bool HasFriction(const Materials& materials, const Gathered& contacts);
 
 // The tangents of an island: of contact k the axes 2 k and 2 k + 1.
 struct Tangents {
@@ -63,8 +64,8 @@ size_t TangentBytes(const mjModel* m, const Mobility& mobility, int contacts, si
 
 // Builds them for the velocity of the bodies at τ (nv).
 Tangents* BuildTangents(const mjModel* m, const mjData* d, const Mobility& mobility,
-                        const IslandSystem& system, const Motion& motion, mjtNum tau,
-                        const mjtNum* velocity, Scratch& scratch);
+                        const Materials& materials, const IslandSystem& system,
+                        const Motion& motion, mjtNum tau, const mjtNum* velocity, Scratch& scratch);
 
 // Turns the rows of contacts with friction from n to n + ρ t, ρ t their tangential impulse over
 // the normal one, and notes that in their impacts: everything that delivers impulses goes on as

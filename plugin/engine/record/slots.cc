@@ -42,13 +42,13 @@ void DiscardPending(const mjModel* m, State& state) {
 }
 
 Pulse MakePulse(const mjModel* m, const mjData* d, const ContactRow& row, mjtNum tau,
-                const Impact& impact, const Config& config, const State& state) {
+                const Impact& impact, const State& state) {
   Pulse pulse{};
   pulse.onset = state.header().clock + impact.onset;
   pulse.impulse = impact.impulse;
   pulse.alpha = impact.alpha;
   pulse.duration = impact.duration;
-  pulse.restitution = config.waveform_restitution;
+  pulse.restitution = impact.restitution;
   pulse.peak = PeakForce(impact);
   pulse.loss = impact.loss;
   pulse.closing = impact.closing;

@@ -8,7 +8,6 @@
 
 #include "engine/island/impact.h"
 #include "engine/island/island_system.h"
-#include "engine/scene/config.h"
 #include "engine/scene/ownership.h"
 #include "engine/state/state.h"
 
@@ -19,7 +18,7 @@ void DiscardPending(const mjModel* m, State& state);
 
 // The pulse of an impact, not yet in a slot; `tau` is the time of the row on its path.
 Pulse MakePulse(const mjModel* m, const mjData* d, const ContactRow& row, mjtNum tau,
-                const Impact& impact, const Config& config, const State& state);
+                const Impact& impact, const State& state);
 
 // Whether `number` more pulses fit into the slots.
 bool HasRoom(const State& state, int number);

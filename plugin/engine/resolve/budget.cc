@@ -19,12 +19,12 @@ constexpr double kElastic = 3;
 
 }  // namespace
 
-Budget::Budget(const mjModel* m, const Config& config, const Gathered& contacts) {
+Budget::Budget(const mjModel* m, bool elastic, const Gathered& contacts) {
   const auto touches = std::count_if(contacts.lowest, contacts.lowest + contacts.count,
                                      [](mjtNum gap) { return gap <= 0; });
   const double of_contacts = kPerContact * contacts.count + kPerTouch * touches;
   total_ = kConstant + kOfMujoco * (kPerDof * m->nv + kPerInertia * m->nM + of_contacts);
-  if (config.restitution == 1) total_ *= kElastic;
+  if (elastic) total_ *= kElastic;
 }
 
 void Budget::SpendRound(const mjModel* m, const Gathered& contacts) {

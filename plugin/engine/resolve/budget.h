@@ -15,13 +15,12 @@
 
 #include "engine/foresee/gather.h"
 #include "engine/island/island_system.h"
-#include "engine/scene/config.h"
 
 namespace mujoco_impact::engine {
 
 class Budget {
  public:
-  Budget(const mjModel* m, const Config& config, const Gathered& contacts);
+  Budget(const mjModel* m, bool elastic, const Gathered& contacts);
 
   void Spend(double work) { spent_ += work; }
   // What was spent, over what may be: more than 1 where the last round had to be ended.

@@ -32,6 +32,7 @@ Resolver::Resolver(const mjModel* m, mjData* d, int instance, const Mobility& mo
       d_(d),
       ownership_(m, instance),
       config_(ReadConfig(m, instance, ownership_.size(), nullptr)),
+      materials_(m, instance, config_, scratch),
       mobility_(mobility),
       state_(state),
       delivery_(delivery),
@@ -40,10 +41,10 @@ Resolver::Resolver(const mjModel* m, mjData* d, int instance, const Mobility& mo
       impacts_(bent_ ? MakeDelivery(m, scratch) : delivery),
       kicks_(MakeKicks(m, scratch)),
       contacts_(GatherContacts(m, d, ownership_, state, kick, scratch)),
-      budget_(m, config_, contacts_),
+      budget_(m, materials_.IsElastic(), contacts_),
       struck_(m, d, mobility, scratch),
       start_(LookAhead(m, d, mobility, delivery, state.mocap(), bent_, scratch)),
-      flights_(m, d, start_.motion, state.header().active > 0, HasFriction(config_, contacts_),
+      flights_(m, d, start_.motion, state.header().active > 0, HasFriction(materials_, contacts_),
                scratch),
       stops_(m, d, start_.motion, scratch),
       steady_(WithoutVelocityForces(m, d, flights_,
@@ -51,7 +52,7 @@ Resolver::Resolver(const mjModel* m, mjData* d, int instance, const Mobility& mo
       bodies_(m, d, mobility, start_, flights_, scratch) {}
 
 Islands Resolver::FindRound(const Outlook& outlook, Scratch& scratch) {
-  const mjtNum reach = ReachOfRound(m_, d_, config_, outlook, flight_, contacts_);
+  const mjtNum reach = ReachOfRound(m_, d_, materials_, outlook, flight_, contacts_);
   FindNear(m_, d_, outlook, reach, contacts_);
   return FindIslands(m_, mobility_, stops_, contacts_.contact, contacts_.due, contacts_.near,
                      contacts_.count, scratch);

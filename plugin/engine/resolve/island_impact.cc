@@ -18,7 +18,7 @@ namespace mujoco_impact::engine {
 // Delivers the part of a new pulse that belongs to this step: all of it, by its moment, if the
 // impact comes at once.
 Share Resolver::AddImpact(const ContactRow& row, const ImpactTime& time, const Impact& impact) {
-  const Pulse pulse = MakePulse(m_, d_, row, time.tau, impact, config_, state_);
+  const Pulse pulse = MakePulse(m_, d_, row, time.tau, impact, state_);
   const Share whole{impact.impulse, impact.moment, 1};
   const Share share =
       impact.at_once ? whole : ShareOfStep(pulse, state_.header().clock, m_->opt.timestep);
@@ -79,7 +79,7 @@ bool Resolver::FitsIsland(const int* position, int count) {
   Scratch scratch(d_);
   if (!scratch.Fits(Mobility::StopBytes(m_, mobility_, stops_))) return false;
   const Mobility mobility(mobility_, stops_, scratch);
-  const bool friction = HasFriction(config_, contacts_, position, count);
+  const bool friction = HasFriction(materials_, contacts_, position, count);
   size_t bytes = IslandBytes(m_, mobility, contacts_, position, count, friction, scratch);
   if (config_.friction == Friction::kPaper) bytes += FrictionBytes(m_, bytes);
   return scratch.Fits(bytes);
@@ -139,7 +139,7 @@ IslandSolution Resolver::TryIsland(const Outlook& outlook, ImpactTime time, cons
                                     seen, time.tau, scratch),
                         scratch.Take<Impact>(count)};
   IslandSystem& system = island.system;
-  const bool friction = HasFriction(config_, contacts_, position, count);
+  const bool friction = HasFriction(materials_, contacts_, position, count);
   for (int k = 0; k < count; ++k) budget_.SpendRow(m_, system.row[k], friction ? 3 : 1);
   // a tumbling body turns away from a pulse that lasts, whose line stays as it was
   constexpr mjtNum kShortSteps = 4;
@@ -153,10 +153,11 @@ IslandSolution Resolver::TryIsland(const Outlook& outlook, ImpactTime time, cons
   mobility.Halt(acceleration);
   Tangents* tangents = nullptr;
   if (friction) {
-    tangents = BuildTangents(m_, d_, mobility, system, outlook.motion, seen, velocity, scratch);
+    tangents = BuildTangents(m_, d_, mobility, materials_, system, outlook.motion, seen, velocity,
+                             scratch);
   }
-  ResolveIsland(m_, config_, ownership_, system, time, velocity, acceleration, tangents, budget_,
-                &stiffer_, island.impacts, scratch);
+  ResolveIsland(m_, config_, materials_, ownership_, system, time, velocity, acceleration, tangents,
+                budget_, &stiffer_, island.impacts, scratch);
   if (tangents) TurnRows(m_, *tangents, system, island.impacts);
   if (config_.friction == Friction::kPaper) {
     AddFriction(m_, d_, config_, outlook.motion, seen, velocity, system, island.impacts, scratch);

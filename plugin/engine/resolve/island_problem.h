@@ -10,7 +10,7 @@
 #include "engine/common/scratch.h"
 #include "engine/island/island_system.h"
 #include "engine/island/tangents.h"
-#include "engine/scene/config.h"
+#include "engine/scene/materials.h"
 #include "law/impact_problem.h"
 
 namespace mujoco_impact::engine {
@@ -20,6 +20,7 @@ struct IslandProblem {
   mjtNum* closing_speed;  // c_k [m/s]
   mjtNum* gap;            // g_k [m]
   mjtNum* stiffness;      // K_k [N/m^1.5]
+  mjtNum* restitution;    // e_k of the law; afterwards E of the waveforms [-]
   mjtNum* impulse;        // P_k [N s]; 0: the contact takes no part
   mjtNum* moment;         // ∫ t F_k dt [N s²]
   mjtNum* onset;          // first time with force [s]
@@ -30,8 +31,11 @@ struct IslandProblem {
   Tangents* tangents = nullptr;  // null: no contact has friction
 };
 
-IslandProblem MakeProblem(const mjModel* m, const Config& config, const IslandSystem& system,
-                          const mjtNum* velocity, Tangents* tangents, Scratch& scratch);
+// Restitution is that at the speed of the fastest closing: a contact that others press does not
+// close by itself.
+IslandProblem MakeProblem(const mjModel* m, const Config& config, const Materials& materials,
+                          const IslandSystem& system, const mjtNum* velocity, Tangents* tangents,
+                          Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

@@ -46,11 +46,11 @@ mjtNum RoomOf(const mjModel* m, const ContactRow& row) {
 }
 
 // ∫∫ F_k of the waveform by time t.
-mjtNum TwiceIntegrated(const IslandProblem& problem, int k, mjtNum t, mjtNum restitution) {
+mjtNum TwiceIntegrated(const IslandProblem& problem, int k, mjtNum t) {
   if (problem.impulse[k] <= 0) return 0;
   const mjtNum W = problem.duration[k], x = (t - problem.onset[k]) / W;
-  return problem.impulse[k] * W *
-         (x * law::WaveformCumulative(x, restitution) - law::WaveformMoment(x, restitution));
+  const mjtNum e = problem.restitution[k];
+  return problem.impulse[k] * W * (x * law::WaveformCumulative(x, e) - law::WaveformMoment(x, e));
 }
 
 // What friction adds to the normal displacements or speeds W x of normal impulses x: each contact
@@ -116,8 +116,7 @@ mjtNum CloseLess(const IslandSystem& system, const IslandProblem& problem) {
   return less;
 }
 
-mjtNum OverlapLess(const mjModel* m, const Config& config, const IslandSystem& system,
-                   const IslandProblem& problem) {
+mjtNum OverlapLess(const mjModel* m, const IslandSystem& system, const IslandProblem& problem) {
   constexpr int kSamples = 8;
   const mjtNum end = EndOf(problem);
   mjtNum* integral = problem.work.numbers;
@@ -125,7 +124,7 @@ mjtNum OverlapLess(const mjModel* m, const Config& config, const IslandSystem& s
   for (int i = 1; i <= kSamples; ++i) {
     const mjtNum t = i * end / kSamples;
     for (int k = 0; k < problem.size; ++k) {
-      integral[k] = TwiceIntegrated(problem, k, t, config.waveform_restitution);
+      integral[k] = TwiceIntegrated(problem, k, t);
     }
     less = std::min(less, LessAt(m, system, problem, t, integral));
   }

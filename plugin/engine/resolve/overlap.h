@@ -14,7 +14,6 @@
 
 #include "engine/island/island_system.h"
 #include "engine/resolve/island_problem.h"
-#include "engine/scene/config.h"
 
 namespace mujoco_impact::engine {
 
@@ -30,8 +29,7 @@ mjtNum TurnLess(const IslandSystem& system, const IslandProblem& problem);
 // For overlaps while the pulses last, y(t) = c t − g − W ∫∫ F of their waveforms. Two waveforms
 // that press a light body from both sides are not the forces of the contacts, which would follow
 // it.
-mjtNum OverlapLess(const mjModel* m, const Config& config, const IslandSystem& system,
-                   const IslandProblem& problem);
+mjtNum OverlapLess(const mjModel* m, const IslandSystem& system, const IslandProblem& problem);
 
 // Takes out of the moments what contacts that lost energy are left pressed at time t, for they do
 // not expand as far as they were pressed: within half of M, so that they are not MuJoCo's then.

@@ -16,8 +16,8 @@ constexpr mjtNum kFastest = 2;
 
 }  // namespace
 
-mjtNum ReachOfRound(const mjModel* m, const mjData* d, const Config& config, const Outlook& outlook,
-                    mjtNum flight, Gathered& contacts) {
+mjtNum ReachOfRound(const mjModel* m, const mjData* d, const Materials& materials,
+                    const Outlook& outlook, mjtNum flight, Gathered& contacts) {
   flight = std::min(flight, m->opt.timestep - outlook.start);
   mjtNum reach = 0;
   for (int k = 0; k < contacts.count; ++k) {
@@ -25,7 +25,7 @@ mjtNum ReachOfRound(const mjModel* m, const mjData* d, const Config& config, con
     const ContactPath path(m, d, Anchor(m, d, contacts, k), outlook.motion);
     const mjtNum speed = -path.GapRate(contacts.tau[k]);
     if (speed <= 0) continue;
-    const mjtNum contact_time = EstimateContactTime(m, d, config, *contacts.contact[k], speed);
+    const mjtNum contact_time = EstimateContactTime(m, d, materials, *contacts.contact[k], speed);
     const mjtNum time = std::max(flight, law::kSameImpactTimes * contact_time);
     reach = std::max(reach, kFastest * speed * time);
   }

@@ -8,14 +8,14 @@
 
 #include "engine/foresee/gather.h"
 #include "engine/foresee/outlook.h"
-#include "engine/scene/config.h"
+#include "engine/scene/materials.h"
 
 namespace mujoco_impact::engine {
 
 // How far a body may get in an impact of this round: it may leave it at up to twice the speed of
 // the fastest closing, and fly for as long as the law counts what follows as the same impact [m].
-mjtNum ReachOfRound(const mjModel* m, const mjData* d, const Config& config, const Outlook& outlook,
-                    mjtNum flight, Gathered& contacts);
+mjtNum ReachOfRound(const mjModel* m, const mjData* d, const Materials& materials,
+                    const Outlook& outlook, mjtNum flight, Gathered& contacts);
 
 }  // namespace mujoco_impact::engine
 

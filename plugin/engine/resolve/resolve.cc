@@ -7,6 +7,7 @@
 
 #include "engine/resolve/island_problem.h"
 #include "engine/resolve/overlap.h"
+#include "engine/scene/texts.h"
 #include "law/friction_guard.h"
 #include "law/friction_on_disc.h"
 #include "law/hertz_contact.h"
@@ -45,7 +46,7 @@ bool SolveHertz(const Config& config, const IslandSystem& system, const ImpactTi
                                   problem.closing_speed,
                                   problem.gap,
                                   problem.stiffness,
-                                  config.restitution,
+                                  problem.restitution,
                                   config.dissipation,
                                   std::min(time.horizon, time.left()),
                                   time.flight,
@@ -65,7 +66,7 @@ bool SolveHertz(const Config& config, const IslandSystem& system, const ImpactTi
   for (int k = 0; k < problem.size; ++k) {
     if (problem.impulse[k] <= 0) continue;
     problem.duration[k] = DurationFromMoment(problem.impulse[k], problem.moment[k],
-                                             problem.onset[k], config.waveform_restitution);
+                                             problem.onset[k], problem.restitution[k]);
   }
   return report.converged;
 }
@@ -92,6 +93,11 @@ void SolveCalibrated(const Config& config, const Ownership& ownership, const Isl
   if (scale < 1) mju_scl(problem.impulse, problem.impulse, scale, problem.size);
 }
 
+bool IsElastic(const IslandProblem& problem) {
+  const mjtNum* e = problem.restitution;
+  return std::all_of(e, e + problem.size, [](mjtNum one) { return one == 1; });
+}
+
 bool AreShorter(const IslandProblem& problem, mjtNum time) {
   for (int k = 0; k < problem.size; ++k) {
     if (problem.impulse[k] > 0 && problem.duration[k] > time) return false;
@@ -99,16 +105,19 @@ bool AreShorter(const IslandProblem& problem, mjtNum time) {
   return true;
 }
 
-// Gives all contacts one pulse of the duration W, or as much shorter as their depth asks for.
-// Returns whether the impulses come at once.
-bool SetCommonPulse(const mjModel* m, const Config& config, const IslandSystem& system,
-                    const ImpactTime& time, mjtNum duration, IslandProblem& problem) {
+// Gives all contacts one pulse of the duration W, or as much shorter as their depth asks for, and
+// of the shape of the least elastic: what came earlier at one contact than at another would move
+// bodies into each other. Returns whether the impulses come at once.
+bool SetCommonPulse(const mjModel* m, const IslandSystem& system, const ImpactTime& time,
+                    mjtNum duration, IslandProblem& problem) {
   std::fill_n(problem.onset, problem.size, 0);
   std::fill_n(problem.peak, problem.size, 0);
   std::fill_n(problem.duration, problem.size, duration);
-  const mjtNum less = std::min(OverlapLess(m, config, system, problem), TurnLess(system, problem));
+  const mjtNum e = *std::min_element(problem.restitution, problem.restitution + problem.size);
+  std::fill_n(problem.restitution, problem.size, e);
+  const mjtNum less = std::min(OverlapLess(m, system, problem), TurnLess(system, problem));
   mju_scl(problem.duration, problem.duration, less, problem.size);
-  const mjtNum centre = law::WaveformMoment(1, config.waveform_restitution);
+  const mjtNum centre = law::WaveformMoment(1, e);
   for (int k = 0; k < problem.size; ++k) {
     problem.moment[k] = problem.impulse[k] * problem.duration[k] * centre;
   }
@@ -143,12 +152,12 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
     const bool over = SolveHertz(config, system, time, budget, problem);
     mjtNum less = TurnLess(system, problem);
     if (InstantRule(config) && less >= 1) {
-      if (config.restitution < 1) {
+      if (!IsElastic(problem)) {
         PressOutDents(system, problem, std::max(EndOf(problem), time.left()));
       }
       at_once =
           AreShorter(problem, time.short_of) && MayComeAtOnce(m, system, problem, time.left());
-      if (!at_once) less = OverlapLess(m, config, system, problem);
+      if (!at_once) less = OverlapLess(m, system, problem);
     }
     if (less >= 1) return at_once;
     // an impact that does not end is none of stiffness
@@ -157,7 +166,7 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
     less *= i == 0 ? 0.9 : 0.25;
     stiffen(less);
   }
-  return SetCommonPulse(m, config, system, time, EndOf(problem), problem);
+  return SetCommonPulse(m, system, time, EndOf(problem), problem);
 }
 
 // Friction of a contact alone that sticks: it stops the slip that the bodies have a time after v
@@ -186,13 +195,13 @@ void StopSlip(const mjModel* m, const mjtNum* acceleration, mjtNum time, const I
 // impact, t' = t, it is the speed at which the impulses do their work, and the energy is kept.
 // Times are from when c_k was taken.
 void CountForcesMeanwhile(const mjModel* m, const IslandSystem& system, const mjtNum* acceleration,
-                          mjtNum seen, mjtNum restitution, IslandProblem& problem) {
+                          mjtNum seen, IslandProblem& problem) {
   constexpr mjtNum kMost = 0.1;  // beyond, bodies are pressed and not struck
-  // t' / t; what hardly parts stays in touch longer than that, and is carried by MuJoCo
-  const mjtNum after = 1 / std::max<mjtNum>(restitution, 0.2);
   mjtNum work = 0, meanwhile = 0, until = 0;
   for (int k = 0; k < problem.size; ++k) {
     if (problem.impulse[k] <= 0) continue;
+    // t' / t; what hardly parts stays in touch longer than that, and is carried by MuJoCo
+    const mjtNum after = 1 / std::max<mjtNum>(problem.restitution[k], 0.2);
     work += problem.closing_speed[k] * problem.impulse[k];
     until = problem.impulse[k] * (problem.onset[k] - seen) +
             after * (problem.moment[k] - problem.onset[k] * problem.impulse[k]);
@@ -258,11 +267,11 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
   return 1 / inverse_mass;
 }
 
-void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
-                   const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   const mjtNum* acceleration, Tangents* tangents, Budget& budget, mjtNum* stiffer,
-                   Impact* impacts, Scratch& scratch) {
-  IslandProblem problem = MakeProblem(m, config, system, velocity, tangents, scratch);
+void ResolveIsland(const mjModel* m, const Config& config, const Materials& materials,
+                   const Ownership& ownership, const IslandSystem& system, const ImpactTime& time,
+                   const mjtNum* velocity, const mjtNum* acceleration, Tangents* tangents,
+                   Budget& budget, mjtNum* stiffer, Impact* impacts, Scratch& scratch) {
+  IslandProblem problem = MakeProblem(m, config, materials, system, velocity, tangents, scratch);
   const int first = ReferenceOf(problem, time.first);
   const mjtNum speed = problem.closing_speed[first];
   std::fill_n(impacts, system.size, Impact{});
@@ -272,7 +281,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
   const mjtNum reduced_mass = 1 / system.delassus.diagonal[first];
   // p = m u of the body that brings the momentum into the contact that closes first
   const mjtNum momentum = IncomingMass(m, system, first, velocity) * speed;
-  const mjtNum e = config.waveform_restitution;
+  const mjtNum e = problem.restitution[first];
   mjtNum* alpha = scratch.Zeros(system.size);
   bool at_once = false;
   if (config.law == Law::kHertz) {
@@ -282,8 +291,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
     const mjtNum contact_time = law::ContactTime(problem.stiffness[fastest],
                                                  1 / system.delassus.diagonal[fastest], c[fastest]);
     at_once = SolveWithinDepth(m, config, system, time, contact_time, budget, stiffer, problem);
-    if (at_once)
-      CountForcesMeanwhile(m, system, acceleration, time.seen, config.restitution, problem);
+    if (at_once) CountForcesMeanwhile(m, system, acceleration, time.seen, problem);
     // α_k = P_k / P_ref, P_ref = (1 + e) μ u of the contact that closes first
     mju_scl(alpha, problem.impulse, 1 / ((1 + e) * reduced_mass * speed), system.size);
   } else {
@@ -298,7 +306,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
     } else if (config.duration_rule == DurationRule::kHertz) {
       W = (1 + e) / 2 * law::ContactTime(problem.stiffness[first], reduced_mass, speed);
     }
-    at_once = SetCommonPulse(m, config, system, time, W, problem);
+    at_once = SetCommonPulse(m, system, time, W, problem);
   }
   const mjtNum tau = time.start + time.tau;
   const mjtNum loss = LossPerImpulse(system, problem);
@@ -309,6 +317,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Ownership& owne
                   alpha[k],
                   tau + problem.onset[k],
                   problem.duration[k],
+                  problem.restitution[k],
                   problem.peak[k],
                   problem.moment[k] + tau * P,
                   loss * P,

@@ -10,7 +10,7 @@
 #include "engine/island/impact.h"
 #include "engine/island/island_system.h"
 #include "engine/resolve/budget.h"
-#include "engine/scene/config.h"
+#include "engine/scene/materials.h"
 #include "engine/scene/ownership.h"
 
 namespace mujoco_impact::engine {
@@ -39,10 +39,10 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
 // begin so in the next. `velocity` is what the bodies have at τ when all pulses under way have been
 // delivered, `acceleration` what other forces give them meanwhile (nv). `tangents` are those of the
 // system, null without friction; `impacts` has room for system.size.
-void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
-                   const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   const mjtNum* acceleration, Tangents* tangents, Budget& budget, mjtNum* stiffer,
-                   Impact* impacts, Scratch& scratch);
+void ResolveIsland(const mjModel* m, const Config& config, const Materials& materials,
+                   const Ownership& ownership, const IslandSystem& system, const ImpactTime& time,
+                   const mjtNum* velocity, const mjtNum* acceleration, Tangents* tangents,
+                   Budget& budget, mjtNum* stiffer, Impact* impacts, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

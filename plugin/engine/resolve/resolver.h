@@ -21,6 +21,7 @@
 #include "engine/resolve/resolve.h"
 #include "engine/resolve/struck.h"
 #include "engine/scene/config.h"
+#include "engine/scene/materials.h"
 #include "engine/scene/ownership.h"
 #include "engine/state/state.h"
 
@@ -84,6 +85,7 @@ class Resolver {
   mjData* d_;
   const Ownership ownership_;
   const Config config_;
+  const Materials materials_;
   const Mobility& mobility_;
   State& state_;
   Delivery& delivery_;

@@ -3,21 +3,11 @@
 #include "engine/scene/config.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <limits>
 #include <vector>
 
-#ifndef __cpp_lib_to_chars
-#include <locale.h>
-#include <stdlib.h>
-#ifdef __APPLE__
-#include <xlocale.h>
-#endif
-#endif
-
+#include "engine/scene/texts.h"
 #include "law/hertz_contact.h"
 #include "law/impact_law.h"
 #include "law/viscous.h"
@@ -25,8 +15,6 @@
 namespace mujoco_impact::engine {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr char kLaw[] = "law";
 constexpr char kRestitution[] = "restitution";
@@ -46,40 +34,35 @@ constexpr char kShape[] = "e";
 constexpr char kFriction[] = "friction";
 constexpr char kStatic[] = "mu_s";
 constexpr char kDynamic[] = "mu_d";
+constexpr char kMaterials[] = "materials";
+constexpr char kPairs[] = "material_pairs";
 
-// A number with its default and the open or closed interval it must lie in.
-struct NumberRule {
-  const char* name;
-  double fallback;
-  double low, high;
-  bool low_allowed, high_allowed;
-  const char* allowed;
-};
-
-constexpr NumberRule kRestitutionRule{kRestitution, 1, 0, 1, true, true, "a number in [0, 1]"};
-constexpr NumberRule kYoungRule{
-    kYoung, 2e11, 0, kInfinity, false, false, "a finite number > 0 [Pa]"};
-constexpr NumberRule kPoissonRule{kPoisson, 0.3, -1, 0.5, false, true, "a number in (-1, 0.5]"};
 constexpr NumberRule kTouchRule{
-    kTouch, 1e-9, 0, kInfinity, true, false, "a finite number >= 0 [m]"};
+    kTouch, 1e-9, 0, kUnbounded, true, false, "a finite number >= 0 [m]"};
 constexpr NumberRule kToleranceRule{
     kTolerance, law::kDefaultTolerance,     law::kSmallestTolerance, law::kLargestTolerance, true,
     true,       "a number in [1e-12, 1e-2]"};
 constexpr NumberRule kHeightRule{
-    kHeight, 0, 0, kInfinity, false, false, "a finite number > 0 [N s/(kg m)]"};
-constexpr NumberRule kWidthRule{kWidth, 0, 0, kInfinity, true, false, "a finite number >= 0"};
+    kHeight, 0, 0, kUnbounded, false, false, "a finite number > 0 [N s/(kg m)]"};
+constexpr NumberRule kWidthRule{kWidth, 0, 0, kUnbounded, true, false, "a finite number >= 0"};
 constexpr NumberRule kBaseWidthRule{
-    kBaseWidth, 7.5e-3, 0, kInfinity, false, false, "a finite number > 0 [s]"};
-constexpr NumberRule kUnitFactorRule{kUnitFactor,           0.083, 0, kInfinity, true, false,
+    kBaseWidth, 7.5e-3, 0, kUnbounded, false, false, "a finite number > 0 [s]"};
+constexpr NumberRule kUnitFactorRule{kUnitFactor,           0.083, 0, kUnbounded, true, false,
                                      "a finite number >= 0"};
 constexpr NumberRule kShapeRule{kShape, 1, 0, 1, true, true, "a number in [0, 1]"};
-constexpr NumberRule kStaticRule{kStatic, 0, 0, kInfinity, true, false, "a finite number >= 0"};
-constexpr NumberRule kDynamicRule{kDynamic, 0, 0, kInfinity, true, false, "a finite number >= 0"};
+constexpr NumberRule kStaticRule{kStatic, 0, 0, kUnbounded, true, false, "a finite number >= 0"};
+constexpr NumberRule kDynamicRule{kDynamic, 0, 0, kUnbounded, true, false, "a finite number >= 0"};
 constexpr NumberRule kSecondsRule{
-    kDuration, 0, 0, kInfinity, false, false, "'hertz', 'paper' or a finite number > 0 [s]"};
+    kDuration, 0, 0, kUnbounded, false, false, "'hertz', 'paper' or a finite number > 0 [s]"};
 
 constexpr char kAlphaAllowed[] =
     "one finite number >= 0 per neighbouring pair of owned geoms, separated by spaces";
+
+constexpr char kMaterialsAllowed[] =
+    "entries such as 'steel restitution=0.95 young=2e11', separated by semicolons";
+constexpr char kPairsAllowed[] =
+    "entries such as 'steel cork restitution=0.5', of names of the attribute 'materials', "
+    "separated by semicolons";
 
 // Reads attributes one by one and remembers the first that is bad.
 class Reader {
@@ -109,10 +92,7 @@ class Reader {
   double Number(const NumberRule& rule) {
     if (!IsSet(rule.name)) return rule.fallback;
     double value = 0.0;
-    const bool good = ReadList(Text(rule.name), &value, 1) == 1 &&
-                      (rule.low_allowed ? value >= rule.low : value > rule.low) &&
-                      (rule.high_allowed ? value <= rule.high : value < rule.high);
-    if (good) return value;
+    if (ReadList(Text(rule.name), &value, 1) == 1 && rule.Allows(value)) return value;
     Refuse(rule.name, rule.allowed);
     return rule.fallback;
   }
@@ -189,6 +169,30 @@ void CheckFriction(Reader& reader, const Config& config) {
   }
 }
 
+bool IsNamed(const std::vector<Material>& materials, std::string_view name) {
+  return std::any_of(materials.begin(), materials.end(),
+                     [name](const Material& material) { return material.name == name; });
+}
+
+void CheckMaterials(Reader& reader, const Config& config) {
+  const Material usual = UsualMaterial(config);
+  TextFault fault;
+  std::vector<Material> materials(CountEntries(config.materials));
+  ReadMaterials(config.materials, usual, materials.data(), &fault);
+  if (fault.note[0]) reader.Refuse(kMaterials, kMaterialsAllowed, fault.note);
+  std::vector<MaterialPair> pairs(CountEntries(config.material_pairs));
+  ReadPairs(config.material_pairs, usual, pairs.data(), &fault);
+  if (fault.note[0]) reader.Refuse(kPairs, kPairsAllowed, fault.note);
+  for (const MaterialPair& pair : pairs) {
+    for (const std::string_view name : pair.name) {
+      if (IsNamed(materials, name)) continue;
+      std::snprintf(fault.note, sizeof(fault.note), " ('%.*s' is none of the attribute '%s')",
+                    static_cast<int>(std::min<size_t>(name.size(), 60)), name.data(), kMaterials);
+      reader.Refuse(kPairs, kPairsAllowed, fault.note);
+    }
+  }
+}
+
 void CheckCombination(Reader& reader, const Config& config, int owned) {
   CheckFriction(reader, config);
   if (config.law == Law::kCalibrated) {
@@ -199,8 +203,12 @@ void CheckCombination(Reader& reader, const Config& config, int owned) {
     if (reader.IsSet(kFriction) && config.friction == Friction::kCoulomb) {
       reader.Refuse(kFriction, "'none' or 'paper'", " with law = 'calibrated'");
     }
+    for (const char* name : {kMaterials, kPairs}) {
+      if (reader.IsSet(name)) reader.Refuse(name, "only with law = 'hertz'");
+    }
     return;
   }
+  CheckMaterials(reader, config);
   for (const char* name : {kAlpha, kHeight, kShape}) {
     if (reader.IsSet(name)) reader.Refuse(name, "only with law = 'calibrated'");
   }
@@ -210,46 +218,22 @@ void CheckCombination(Reader& reader, const Config& config, int owned) {
   }
 }
 
-// end of the number at the start of a text, null if there is none
-const char* ReadNumber(const char* text, const char* end, double* value) {
-#ifdef __cpp_lib_to_chars
-  const auto [next, status] = std::from_chars(text, end, *value);
-  return status == std::errc() ? next : nullptr;
-#else
-  // libc++ of before 2025 reads integers only; strtod takes signs and words that are none here
-  const size_t word = std::min<size_t>(std::strcspn(text, " \t\n"), end - text);
-  if (*text == '+' || std::strspn(text, "0123456789.eE+-") < word) return nullptr;
-  const locale_t plain = newlocale(LC_ALL_MASK, "C", nullptr);
-  char* next = nullptr;
-  *value = strtod_l(text, &next, plain);
-  freelocale(plain);
-  return next == text ? nullptr : next;
-#endif
-}
-
 }  // namespace
 
-const char* const kAttributes[] = {kLaw,      kRestitution, kDissipation, kYoung, kPoisson,
-                                   kDuration, kTouch,       kPassive,     kAlpha, kHeight,
-                                   kWidth,    kBaseWidth,   kUnitFactor,  kShape, kFriction,
-                                   kStatic,   kDynamic,     kTolerance};
+const char* const kAttributes[] = {kLaw,      kRestitution, kDissipation, kYoung,     kPoisson,
+                                   kDuration, kTouch,       kPassive,     kAlpha,     kHeight,
+                                   kWidth,    kBaseWidth,   kUnitFactor,  kShape,     kFriction,
+                                   kStatic,   kDynamic,     kTolerance,   kMaterials, kPairs};
 const int kAttributeCount = sizeof(kAttributes) / sizeof(kAttributes[0]);
 
-int ReadList(const char* text, double* values, int size) {
-  const char* const end = text + std::strlen(text);
-  int count = 0;
-  while (true) {
-    while (text < end && (*text == ' ' || *text == '\t' || *text == '\n')) ++text;
-    if (text == end) return count;
-    double value = 0.0;
-    const char* const next = ReadNumber(text, end, &value);
-    if (!next || !std::isfinite(value)) return -1;
-    const bool whole_word = next == end || *next == ' ' || *next == '\t' || *next == '\n';
-    if (!whole_word) return -1;
-    if (count < size) values[count] = value;
-    ++count;
-    text = next;
-  }
+const char* MaterialsText(const mjModel* m, int instance) {
+  return Reader(m, instance, nullptr).Text(kMaterials);
+}
+
+Material UsualMaterial(const Config& config) {
+  const double least = config.dissipation == law::Dissipation::kViscous ? law::kViscousMinimum : 0;
+  return {"",      ConstantRestitution(config.restitution, least), config.young, config.poisson,
+          kOfGeom, law::Compliance(config.young, config.poisson)};
 }
 
 Config ReadConfig(const mjModel* m, int instance, int owned, ConfigError* error) {
@@ -261,8 +245,9 @@ Config ReadConfig(const mjModel* m, int instance, int owned, ConfigError* error)
       reader.Word(kDissipation, {"bistiffness", "viscous"}, "'bistiffness' or 'viscous'"));
   config.passive = reader.Word(kPassive, {"true", "false"}, "'true' or 'false'") == 0;
   config.restitution = reader.Number(kRestitutionRule);
-  config.effective_modulus =
-      law::EffectiveModulus(reader.Number(kYoungRule), reader.Number(kPoissonRule));
+  config.young = reader.Number(kYoungRule);
+  config.poisson = reader.Number(kPoissonRule);
+  config.effective_modulus = law::EffectiveModulus(config.young, config.poisson);
   config.touch = reader.Number(kTouchRule);
   config.tolerance = reader.Number(kToleranceRule);
   config.calibrated.height_factor = reader.Number(kHeightRule);
@@ -273,6 +258,8 @@ Config ReadConfig(const mjModel* m, int instance, int owned, ConfigError* error)
   config.waveform_restitution = config.law == Law::kCalibrated ? shape : config.restitution;
   ReadFriction(reader, config, error != nullptr);
   config.alpha = reader.Text(kAlpha);
+  config.materials = reader.Text(kMaterials);
+  config.material_pairs = reader.Text(kPairs);
   ReadDuration(reader, config);
   if (error) CheckCombination(reader, config, owned);
   return config;

@@ -10,6 +10,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include "engine/scene/material.h"
 #include "law/calibrated.h"
 #include "law/friction.h"
 #include "law/impact_problem.h"
@@ -25,7 +26,8 @@ struct Config {
   Law law;
   double restitution;  // e of the law `hertz` [-]
   law::Dissipation dissipation;
-  double effective_modulus;  // E* [Pa]
+  double young, poisson;     // [Pa], [-]
+  double effective_modulus;  // E* of two bodies of that [Pa]
   DurationRule duration_rule;
   double duration;   // [s], for kFixed
   double touch;      // gaps below it count as touching [m]
@@ -35,7 +37,8 @@ struct Config {
   double waveform_restitution;  // E of the shape [-]
   Friction friction;            // tangential impulses
   law::PaperFriction paper_friction;
-  const char* alpha;  // text of the list, for the law `calibrated`
+  const char* alpha;                       // text of the list, for the law `calibrated`
+  const char *materials, *material_pairs;  // texts (material.h)
 };
 
 // Whether the law times each contact itself, by the physical contact time: such an impact is over
@@ -53,13 +56,15 @@ struct ConfigError {
   char message[512];
 };
 
+// The text of the attribute `materials` alone.
+const char* MaterialsText(const mjModel* m, int instance);
+
 // Reads the attributes of `instance`; with `error` also checks each and tells the first that is
 // bad. `owned` is the number of geoms the instance owns.
 Config ReadConfig(const mjModel* m, int instance, int owned, ConfigError* error);
 
-// Reads up to `size` numbers of a list separated by spaces; returns how many it holds, -1 if a
-// word is not a finite number.
-int ReadList(const char* text, double* values, int size);
+// What bodies are of whose geoms have no material: the settings of the instance.
+Material UsualMaterial(const Config& config);
 
 }  // namespace mujoco_impact::engine
 

@@ -86,7 +86,7 @@ mjtNum ContactCurvature(const mjModel* m, const mjData* d, const mjContact& cont
   return curvature > 0 ? curvature : 1 / SmallerRadius(m, contact);
 }
 
-mjtNum EstimateContactTime(const mjModel* m, const mjData* d, const Config& config,
+mjtNum EstimateContactTime(const mjModel* m, const mjData* d, const Materials& materials,
                            const mjContact& contact, mjtNum speed) {
   mjtNum mass = std::numeric_limits<mjtNum>::infinity();
   for (const int geom : contact.geom) {
@@ -94,7 +94,7 @@ mjtNum EstimateContactTime(const mjModel* m, const mjData* d, const Config& conf
     if (m->body_treeid[body] >= 0) mass = std::min(mass, m->body_mass[body]);
   }
   const mjtNum stiffness =
-      law::HertzStiffness(config.effective_modulus, ContactCurvature(m, d, contact));
+      law::HertzStiffness(materials.EffectiveModulus(contact), ContactCurvature(m, d, contact));
   return law::ContactTime(stiffness, mass, speed);
 }
 

@@ -21,7 +21,7 @@
 
 #include <mujoco/mujoco.h>
 
-#include "engine/scene/config.h"
+#include "engine/scene/materials.h"
 
 namespace mujoco_impact::engine {
 
@@ -29,7 +29,7 @@ namespace mujoco_impact::engine {
 mjtNum ContactCurvature(const mjModel* m, const mjData* d, const mjContact& contact);
 
 // How long two bodies touch that close with `speed`, by the masses of the bodies alone [s].
-mjtNum EstimateContactTime(const mjModel* m, const mjData* d, const Config& config,
+mjtNum EstimateContactTime(const mjModel* m, const mjData* d, const Materials& materials,
                            const mjContact& contact, mjtNum speed);
 
 }  // namespace mujoco_impact::engine

@@ -3,6 +3,7 @@
 #include "engine/scene/meeting.h"
 
 #include <array>
+#include <cstring>
 
 #include "engine/scene/config.h"
 #include "engine/scene/ownership.h"
@@ -29,15 +30,8 @@ bool AreSame(const Config& a, const Config& b) {
                       c.paper_friction.dynamic_factor};
   };
   return a.law == b.law && a.dissipation == b.dissipation && a.duration_rule == b.duration_rule &&
-         a.passive == b.passive && a.friction == b.friction && numbers(a) == numbers(b);
-}
-
-bool IsPair(const mjModel* m, int first, int second) {
-  for (int i = 0; i < m->npair; ++i) {
-    const int one = m->pair_geom1[i], other = m->pair_geom2[i];
-    if ((one == first && other == second) || (one == second && other == first)) return true;
-  }
-  return false;
+         a.passive == b.passive && a.friction == b.friction && numbers(a) == numbers(b) &&
+         std::strcmp(a.material_pairs, b.material_pairs) == 0;
 }
 
 bool AreExcluded(const mjModel* m, int first, int second) {
@@ -79,6 +73,14 @@ bool FindMeeting(const mjModel* m, const Ownership& ours, const Ownership& other
 }
 
 }  // namespace
+
+bool IsPair(const mjModel* m, int first, int second) {
+  for (int i = 0; i < m->npair; ++i) {
+    const int one = m->pair_geom1[i], other = m->pair_geom2[i];
+    if ((one == first && other == second) || (one == second && other == first)) return true;
+  }
+  return false;
+}
 
 Meeting FindConflict(const mjModel* m, int instance) {
   const Ownership ours(m, instance);

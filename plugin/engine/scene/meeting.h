@@ -17,6 +17,9 @@ struct Meeting {
   int geom[2];  // of this instance and of the other, which can meet
 };
 
+// Whether the model lists the two geoms as a pair.
+bool IsPair(const mjModel* m, int first, int second);
+
 // The first instance with other settings than `instance` whose geoms can meet the geoms of it.
 Meeting FindConflict(const mjModel* m, int instance);
 

@@ -13,12 +13,20 @@ int TupleOf(const mjModel* m, int instance) {
 
 }  // namespace
 
+TupleElements ElementsOf(const mjModel* m, int instance) {
+  const int tuple = TupleOf(m, instance);
+  if (tuple < 0) return {nullptr, nullptr, 0};
+  const int begin = m->tuple_adr[tuple];
+  return {m->tuple_objid + begin, m->tuple_objprm + begin, m->tuple_size[tuple]};
+}
+
 Ownership::Ownership(const mjModel* m, int instance)
     : m_(m), instance_(instance), geoms_(nullptr), size_(static_cast<int>(m->ngeom)) {
-  const int tuple = TupleOf(m, instance);
-  if (tuple < 0) return;
-  geoms_ = m->tuple_objid + m->tuple_adr[tuple];
-  size_ = m->tuple_size[tuple];
+  if (TupleOf(m, instance) < 0) return;
+  const TupleElements elements = ElementsOf(m, instance);
+  geoms_ = elements.geom;
+  size_ = elements.size;
+  while (size_ > 0 && elements.number[size_ - 1] < 0) --size_;
 }
 
 int Ownership::Index(int geom) const {

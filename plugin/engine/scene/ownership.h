@@ -14,7 +14,17 @@
 
 namespace mujoco_impact::engine {
 
-// The geoms of an instance, in the order of its tuple.
+// The elements of the tuple of an instance; none without a tuple.
+struct TupleElements {
+  const int* geom;
+  const mjtNum* number;  // of the material (materials.h); negative: the geom is not owned
+  int size;
+};
+
+TupleElements ElementsOf(const mjModel* m, int instance);
+
+// The geoms of an instance, in the order of its tuple. Geoms at its end whose number is negative
+// are not among them: the tuple only says of which material they are.
 class Ownership {
  public:
   Ownership(const mjModel* m, int instance);

@@ -99,6 +99,7 @@ TEST_P(IslandMemory, AnIslandTakesNoMoreThanItAsksFor) {
   const Delivery delivery = MakeDelivery(m, scratch);
   const Ownership ownership(m, 0);
   const Config config = ReadConfig(m, 0, ownership.size(), nullptr);
+  const Materials materials(m, 0, config, scratch);
   const Outlook outlook = LookAhead(m, d, mobility, delivery, nullptr, false, scratch);
   State state(m, d, 0);
   Gathered contacts = GatherContacts(m, d, ownership, state, nullptr, scratch);
@@ -117,7 +118,7 @@ TEST_P(IslandMemory, AnIslandTakesNoMoreThanItAsksFor) {
 
   Scratch inside(d);
   size_t asked = IslandBytes(m, mobility, contacts, position, contacts.count,
-                             HasFriction(config, contacts), inside);
+                             HasFriction(materials, contacts), inside);
   if (config.friction == Friction::kPaper) asked += FrictionBytes(m, asked);
   const size_t before = d->pstack;
   d->maxuse_stack = 0;
@@ -126,14 +127,15 @@ TEST_P(IslandMemory, AnIslandTakesNoMoreThanItAsksFor) {
   const mjtNum* velocity = SettledVelocity(m, outlook, time.tau, inside);
   Impact* impacts = inside.Take<Impact>(contacts.count);
   const mjtNum* acceleration = inside.Zeros(static_cast<int>(m->nv));
-  Budget budget(m, config, contacts);
+  Budget budget(m, materials.IsElastic(), contacts);
   mjtNum stiffer = 1;
   Tangents* tangents = nullptr;
-  if (HasFriction(config, contacts)) {
-    tangents = BuildTangents(m, d, mobility, system, outlook.motion, time.tau, velocity, inside);
+  if (HasFriction(materials, contacts)) {
+    tangents = BuildTangents(m, d, mobility, materials, system, outlook.motion, time.tau, velocity,
+                             inside);
   }
-  ResolveIsland(m, config, ownership, system, time, velocity, acceleration, tangents, budget,
-                &stiffer, impacts, inside);
+  ResolveIsland(m, config, materials, ownership, system, time, velocity, acceleration, tangents,
+                budget, &stiffer, impacts, inside);
   if (config.friction == Friction::kPaper) {
     AddFriction(m, d, config, outlook.motion, time.tau, velocity, system, impacts, inside);
   }

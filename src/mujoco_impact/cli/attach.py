@@ -13,6 +13,7 @@ from mujoco_impact.cli.options import (
     GapOption,
     GeomsOption,
     IntegratorOption,
+    MaterialOption,
     ModelArgument,
     ParamsOption,
     SetOption,
@@ -20,7 +21,12 @@ from mujoco_impact.cli.options import (
     TimestepOption,
 )
 from mujoco_impact.cli.output import check_outputs, clean_errors, console_of
-from mujoco_impact.cli.scenes import geom_names, parsed_settings, read_scene
+from mujoco_impact.cli.scenes import (
+    assigned,
+    geom_names,
+    parsed_settings,
+    read_scene,
+)
 from mujoco_impact.files import write_text
 from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.scene import attach as attach_scene
@@ -38,6 +44,7 @@ def attach(
     geoms: GeomsOption = None,
     gap: GapOption = None,
     speed: SpeedOption = None,
+    materials: MaterialOption = None,
     timestep: TimestepOption = None,
     integrator: IntegratorOption = None,
 ) -> None:
@@ -54,6 +61,7 @@ def attach(
             geoms=geom_names(geoms),
             gap=gap,
             speed=speed,
+            assign=assigned(materials),
         )
         scene = read_scene(model, timestep=timestep, integrator=integrator)
         spec = attach_scene(scene, **options)

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 import cradle_models
+from mujoco_impact.materials import MATERIALS
 from mujoco_impact.settings import SETTINGS
 from mujoco_impact.starts import RELEASE
 
@@ -60,6 +61,15 @@ GeomsOption = Annotated[
         "--geoms",
         metavar="NAME,...",
         help="Geoms whose impacts are ours [default: all that move and collide].",
+    ),
+]
+MaterialOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--material",
+        metavar="GEOM=NAME",
+        help="Material of a geom, or of those of a pattern such as 'ball*'; "
+        f"repeatable. Materials: {', '.join(MATERIALS)}.",
     ),
 ]
 GapOption = Annotated[

@@ -110,6 +110,18 @@ def parsed_settings(
     return given | parsed
 
 
+def assigned(materials: list[str] | None) -> dict[str, str] | None:
+    """Returns the material of each geom by its name, of texts GEOM=NAME."""
+    result: dict[str, str] = {}
+    for text in materials or []:
+        geom, equals, name = text.rpartition("=")
+        if not (geom and equals and name):
+            msg = f"--material {text!r}: must be GEOM=NAME, such as 'ball*=rubber'"
+            raise ConfigError(msg)
+        result[geom] = name
+    return result or None
+
+
 def _check_friction(value: str) -> None:
     """Raises ConfigError if a coefficient is given for the model of friction."""
     try:

@@ -64,6 +64,7 @@ class Judge:
             poisson=_number_setting(law, "poisson", DEFAULT_POISSON),
             friction=law.get("friction", "none") != "none",
             hertz=law.get("law", "hertz") == "hertz",
+            uniform="materials" not in law,
         )
         rest = rest_speed(self._plain, motion)
         self._slowest = max(rest, small_speed(motion.impacts))

@@ -74,6 +74,7 @@ class Material:
         poisson: Poisson's ratio.
         friction: Whether impacts have friction.
         hertz: Whether the impulses are those of Hertz contacts.
+        uniform: Whether all bodies are of this material.
     """
 
     restitution: float = 1.0
@@ -81,6 +82,7 @@ class Material:
     poisson: float = 0.3
     friction: bool = False
     hertz: bool = True
+    uniform: bool = True
 
 
 def impact_reference(
@@ -133,6 +135,8 @@ class _Scene:
             raise NoReference("other impacts are under way, or the run ends in it")
         if not self._material.hertz:
             raise NoReference("the law is not that of Hertz contacts")
+        if not self._material.uniform:
+            raise NoReference("bodies are of different materials")
         if self._model.neq and self._data.ne:
             raise NoReference("bodies are tied to each other")
         for meeting in self._first.meetings:

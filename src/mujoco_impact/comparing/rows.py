@@ -49,6 +49,10 @@ def row_reference(
     if row.chain.count > MOST_REFERENCE_BALLS:
         note = f"no Hertz reference: more than {MOST_REFERENCE_BALLS} balls"
         return RowReference(row, note=note)
+    if not material.uniform:
+        return RowReference(
+            row, note="no Hertz reference: the balls are of different materials"
+        )
     if material.restitution != 1.0 or not material.hertz:
         note = "no Hertz reference: it is elastic, the law is not"
         return RowReference(row, note=note)

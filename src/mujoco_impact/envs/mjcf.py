@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import mujoco
 
 from mujoco_impact._plugin import PLUGIN_NAME
+from mujoco_impact.assignment import Materials, Pairs
 from mujoco_impact.errors import SceneError
 from mujoco_impact.extras import require
+from mujoco_impact.ownership import owned_geoms
 from mujoco_impact.scene import attach
-from mujoco_impact.settings import Setting, attributes
+from mujoco_impact.settings import Setting
 from mujoco_impact.specifications import one_line
 
 mjcf: Any = require("dm_control.mjcf")
@@ -25,6 +27,9 @@ def attach_mjcf(
     gap: float | None = None,
     depth: float | None = None,
     speed: float | None = None,
+    materials: Materials | None = None,
+    assign: Mapping[str, str] | None = None,
+    pairs: Pairs | None = None,
     **settings: Setting,
 ) -> Any:
     """Gives the impacts of a PyMJCF model to the plugin, in place.
@@ -41,6 +46,9 @@ def attach_mjcf(
         gap: See `mujoco_impact.attach`.
         depth: See `mujoco_impact.attach`.
         speed: See `mujoco_impact.attach`.
+        materials: See `mujoco_impact.attach`.
+        assign: See `mujoco_impact.attach`; geoms by full identifiers.
+        pairs: See `mujoco_impact.attach`; geoms by full identifiers.
         **settings: Settings of the impact law.
 
     Returns:
@@ -59,19 +67,20 @@ def attach_mjcf(
         gap=gap,
         depth=depth,
         speed=speed,
+        materials=materials,
+        assign=assign,
+        pairs=pairs,
         **settings,
     )
-    owned = {
-        geom: root.find("geom", geom)
-        for element in spec.tuples
-        if element.name == name
-        for geom in element.objname
-    }
+    owned = owned_geoms(spec)[name] or ()
     _take_margins(root, spec, set(owned))
-    _add_instance(root, name, attributes(settings))
+    instance = next(one for one in spec.plugins if one.name == name)
+    _add_instance(root, name, dict(instance.config))
+    elements = next(element for element in spec.tuples if element.name == name)
     members = root.custom.add("tuple", name=name)
-    for geom in owned.values():
-        members.add("element", objtype="geom", objname=geom, prm=1.0)
+    for geom, number in zip(elements.objname, elements.objprm, strict=True):
+        element = root.find("geom", geom)
+        members.add("element", objtype="geom", objname=element, prm=number)
     return root.sensor.add("plugin", name=name, plugin=PLUGIN_NAME, instance=name)
 
 

@@ -25,7 +25,10 @@ def owned_numbers(model: mujoco.MjModel) -> Numbers:
         if found < 0:
             return np.arange(model.ngeom)
         first = int(model.tuple_adr[found])
-        owned.update(model.tuple_objid[first : first + int(model.tuple_size[found])])
+        elements = slice(first, first + int(model.tuple_size[found]))
+        # what has a negative number is not owned: the tuple only says its material
+        members = model.tuple_objid[elements][model.tuple_objprm[elements] >= 0]
+        owned.update(members.tolist())
     return np.array(sorted(owned), dtype=np.intp)
 
 
