@@ -4,10 +4,13 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+from cradle_models.blocks import dominoes, rocking_block
 from cradle_models.errors import UnknownModelError
 from cradle_models.free import two_string
 from cradle_models.pendulums import row
 from cradle_models.sensor import force_sensor
+from cradle_models.spheres import bernoulli, cannon, spinning_balls
+from cradle_models.table import billiards
 
 #: The eight three-ball patterns of Dondo and Noborio, table 2, in their order.
 PAPER_PATTERNS = ("AAA", "AAB", "ABA", "ABB", "BAA", "BAB", "BBA", "BBB")
@@ -26,6 +29,13 @@ def _makers() -> dict[str, Callable[[], str]]:
     for count in (3, 5):
         makers[f"two_string_{count}"] = partial(two_string, "A" * count)
     makers["force_sensor"] = force_sensor
+    makers["billiards"] = billiards
+    makers["spinning_balls"] = spinning_balls
+    makers["dominoes"] = dominoes
+    makers["rocking_block"] = rocking_block
+    makers["cannon"] = cannon
+    for count in (2, 4):
+        makers[f"bernoulli_{count}"] = partial(bernoulli, count)
     return makers
 
 

@@ -5,7 +5,15 @@ from collections.abc import Sequence
 
 from cradle_models.ball import Ball, balls, centres, gaps
 from cradle_models.checks import require_positive, require_range
-from cradle_models.scene import Integrator, camera, document, kinds, number, numbers
+from cradle_models.scene import (
+    Integrator,
+    camera,
+    document,
+    free_body,
+    kinds,
+    number,
+    numbers,
+)
 
 
 def two_string(
@@ -165,13 +173,11 @@ def _free(
     i: int, ball: Ball, position: tuple[float, float, float], material: str
 ) -> list[str]:
     """Return a body with a free joint and one sphere."""
-    return [
-        f'<body name="ball_{i}" pos="{numbers(*position)}">',
-        f'  <freejoint name="free_{i}"/>',
-        f'  <geom name="ball_{i}" type="sphere" size="{number(ball.radius)}" '
-        f'mass="{number(ball.mass)}" material="{material}"/>',
-        "</body>",
-    ]
+    geom = (
+        f'type="sphere" size="{number(ball.radius)}" mass="{number(ball.mass)}" '
+        f'material="{material}"'
+    )
+    return free_body(f"ball_{i}", position, geom, joint=f"free_{i}")
 
 
 def _strings(i: int, reach: float, timestep: float) -> list[str]:

@@ -28,7 +28,7 @@ BYTES = 3_000_000
 
 HEAD = """# Gallery
 
-Ten scenes, each with the code that runs it, and its MJCF where it has a file. In a
+{count} scenes, each with the code that runs it, and its MJCF where it has a file. In a
 clone of this repository the code works as it stands. With
 `motion.render(spec, "scene.webp")` at its end it draws the picture, too: red arrows are
 impulses. `scripts/gallery` draws all of them."""
@@ -48,7 +48,8 @@ def main(names: list[str]) -> None:
         if not names or scene.name in names:
             draw(scene, result)
         parts.append(section(scene, printed))
-    text = "\n\n".join([HEAD, wall(), *parts]) + "\n"
+    head = HEAD.format(count=len(SCENES))
+    text = "\n\n".join([head, wall(), *parts]) + "\n"
     (ROOT / PAGE).write_text(text, encoding="utf-8")
     print(PAGE)
     taken = sum(file.stat().st_size for file in (ROOT / PICTURES).iterdir())

@@ -9,7 +9,7 @@ import pytest
 import cradle_models
 
 
-def test_the_catalogue_holds_the_rows_the_paper_and_the_toy() -> None:
+def test_the_catalogue_holds_the_rows_the_paper_the_toy_and_contacts() -> None:
     names = set(cradle_models.list_models())
     paper = {f"paper_{a}{b}{c}" for a in "ab" for b in "ab" for c in "ab"}
     others = {
@@ -20,7 +20,16 @@ def test_the_catalogue_holds_the_rows_the_paper_and_the_toy() -> None:
         "two_string_5",
         "force_sensor",
     }
-    assert paper | others == names
+    contacts = {
+        "billiards",
+        "spinning_balls",
+        "dominoes",
+        "rocking_block",
+        "cannon",
+        "bernoulli_2",
+        "bernoulli_4",
+    }
+    assert paper | others | contacts == names
 
 
 @pytest.mark.parametrize("name", cradle_models.list_models())

@@ -10,6 +10,12 @@ from numpy.typing import NDArray
 
 import cradle_models as cm
 
+CRADLES = [
+    name
+    for name in cm.list_models()
+    if name.startswith(("row", "paper", "two", "force"))
+]
+
 # Positions are sums of a few decimals of at most a metre: some roundings of 1e-16 m.
 TOUCHING = 1e-12
 
@@ -33,7 +39,7 @@ def test_balls_a_and_b_are_those_of_dondo_and_noborio() -> None:
     assert pytest.approx((0.230, 0.0381)) == (cm.B.mass, 2 * cm.B.radius)
 
 
-@pytest.mark.parametrize("name", cm.list_models())
+@pytest.mark.parametrize("name", CRADLES)
 def test_neighbours_touch_at_rest(name: str) -> None:
     model, data = at_rest(cm.make_model(name))
     np.testing.assert_allclose(gaps(model, data), 0, atol=TOUCHING)
