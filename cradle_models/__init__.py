@@ -26,7 +26,7 @@ from cradle_models.free import free_balls, two_string
 from cradle_models.pendulums import lattice, row
 from cradle_models.sensor import force_sensor
 from cradle_models.spheres import CANNON, RUBBER, bernoulli, cannon, spinning_balls
-from cradle_models.table import POOL, billiards
+from cradle_models.table import POOL, SIDE_MOUTH, billiards
 
 __all__ = [
     "CANNON",
@@ -34,6 +34,7 @@ __all__ = [
     "PAPER_PATTERNS",
     "POOL",
     "RUBBER",
+    "SIDE_MOUTH",
     "A",
     "B",
     "Ball",

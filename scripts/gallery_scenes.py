@@ -168,7 +168,7 @@ with warnings.catch_warnings():
     motion = mujoco_impact.run(spec, duration=0.9, keyframe="release")
 first = {impact.geoms: impact.time for impact in reversed(motion.impacts)}
 wave = first["stone_11", "stone_12"] - first["stone_6", "stone_7"]
-print(f"the wave runs at {5 * 0.036 / wave:.2f} m/s")
+print(f"the wave runs at {5 * 0.036 / wave:.1f} m/s")
 """,
         speed=0.25,
     ),
@@ -211,6 +211,25 @@ spec = mujoco_impact.attach("docs/gallery/shapes.xml", restitution=0.9)
 motion = mujoco_impact.run(spec, duration=1.5)
 """,
         speed=0.4,
+    ),
+    Scene(
+        name="bank",
+        title="A bank shot",
+        text="Our task `billiards`, `bank`: the yellow ball has to fall into the side "
+        "pocket off the cushion opposite. The cue turns, waits, and strikes. The angle "
+        "was found by trial on the model.",
+        code="""
+from mujoco_impact import envs
+
+env = envs.load("billiards", "bank", task_kwargs={"random": 5})
+env.reset()
+states = []
+for step in range(120):
+    result = env.step([0.31, float(step > 30)])
+    states.append(env.physics.data.qpos.copy())
+print(f"reward {result.reward:.0f}")
+""",
+        speed=0.6,
     ),
     Scene(
         name="dm_control",

@@ -5,7 +5,7 @@
 #include "engine/common/scratch.h"
 #include "engine/deliver/deliver.h"
 #include "engine/deliver/flights.h"
-#include "engine/foresee/gather.h"
+#include "engine/foresee/look.h"
 #include "engine/handover/runge_kutta.h"
 #include "engine/path/motion.h"
 #include "engine/record/record.h"
@@ -32,7 +32,7 @@ void CorrectForEuler(const mjModel* m, mjData* d, State& state) {
 void WarnIfSilenced(const mjModel* m, mjData* d, State& state) {
   constexpr int kSilenced = mjDSBL_SPRING | mjDSBL_DAMPER;
   if ((m->opt.disableflags & kSilenced) != kSilenced ||
-      !AnyMayClose(m, d, state.mocap(), state.header().touch))
+      !LookAtContacts(m, d, state.mocap(), state.header().touch).closes)
     return;
   mju_warning(
       "mujoco_impact.waveform: an impact is missed, for the flags spring and damper are both "

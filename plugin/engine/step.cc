@@ -6,6 +6,7 @@
 #include "engine/deliver/deliver.h"
 #include "engine/deliver/flights.h"
 #include "engine/foresee/gather.h"
+#include "engine/foresee/look.h"
 #include "engine/foresee/silence.h"
 #include "engine/foresee/step_memory.h"
 #include "engine/handover/runge_kutta.h"
@@ -33,8 +34,10 @@ void ComputeStep(const mjModel* m, mjData* d, int instance) {
   const bool pulses = state.header().active > 0;
   const mjtNum touch = state.header().touch;
   if (m->nmocap > 0) FindMocapVelocities(m, d, instance, state);
-  SilenceMoving(m, d, instance, pulses, state);
-  if (!pulses && !AnyMayClose(m, d, state.mocap(), touch)) return;
+  Look look{};
+  if (!pulses) look = LookAtContacts(m, d, state.mocap(), touch);
+  SilenceMoving(m, d, instance, look.moves, state);
+  if (!pulses && !look.closes) return;
 
   Scratch scratch(d);
   if (!StepFits(m, d, scratch)) {

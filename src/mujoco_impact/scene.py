@@ -10,32 +10,19 @@ import mujoco
 
 from mujoco_impact._plugin import PLUGIN_NAME
 from mujoco_impact.blind_sensors import warn_of_blind_sensors
+from mujoco_impact.depth import ROUNDING, default_depth
 from mujoco_impact.errors import ConfigError, SceneError
 from mujoco_impact.instances import remove_instances
 from mujoco_impact.ownership import (
     default_gap,
-    fall_speed,
     owned_geoms,
-    round_up,
     select_geoms,
     set_margins,
-    smallest_size,
 )
 from mujoco_impact.scene_checks import check_name, check_options, check_owned
 from mujoco_impact.settings import Setting, attributes
 from mujoco_impact.source import Source, read_spec
 from mujoco_impact.specifications import compile_spec, copy_spec
-
-DEPTH = 1e-6
-"""Default depth where pulses come at once [m]: less than a body at rest sinks into
-MuJoCo's contact anyway, and more than the rounding of positions."""
-
-SMALLEST_OF_LONG, LARGEST = 0.01, 0.5
-"""Bounds of the default depth of longer pulses over half-width: the largest is
-half-way to the centre."""
-
-PAPER_DURATION = 10e-3
-"""Duration of a pulse [s] that the default depth allows for if duration="paper"."""
 
 
 def attach(
@@ -72,10 +59,10 @@ def attach(
             is smaller.
         depth: Overlap at which MuJoCo's own contact takes over where no pulse presses
             [m]: a resting geom sinks that much deeper than without the plugin.
-            Default: 1e-6 m, under Runge-Kutta what a body that fell through the whole
-            scene travels in half a step. If `duration` is longer than a Hertz contact,
-            what bodies overlap during a pulse, but 1 to 50 % of half of the width of
-            the smallest owned geom. Doubles between two owned geoms.
+            Default: 1e-7 m; 1e-6 m if bodies overlap by up to 2e-6 m in the initial
+            pose, as of rounding. If `duration` is longer than a Hertz contact, what
+            bodies overlap during a pulse, but 1 to 50 % of half of the width of the
+            smallest owned geom. Doubles between two owned geoms.
         **settings: Settings of the impact law, see `mujoco_impact.settings.SETTINGS`;
             for example `restitution=0.9`, `young=210e9`, `duration="paper"`.
 
@@ -104,13 +91,13 @@ def attach(
     check_owned(spec, owned)
     _add_instance(spec, name, owned, config)
     # lengths of the scene are known once it is compiled, with any valid margin
-    set_margins(spec, owned, gap=1.0, depth=1.0)
+    set_margins(spec, owned, gap=ROUNDING, depth=ROUNDING)
     model = _compile_with_plugin(spec, config)
     set_margins(
         spec,
         owned,
         gap=default_gap(model, owned, speed=speed) if gap is None else gap,
-        depth=_default_depth(model, owned, config) if depth is None else depth,
+        depth=default_depth(model, owned, config) if depth is None else depth,
     )
     warn_of_blind_sensors(model, owned)
     return spec
@@ -178,32 +165,6 @@ def _compile_with_plugin(
         shown = ", ".join(f"{key}={value}" for key, value in config.items())
         msg = f"the plugin refuses {shown or 'its default settings'}: {reason}"
         raise ConfigError(msg) from error
-
-
-def _default_depth(
-    model: mujoco.MjModel, owned: Sequence[str], config: Mapping[str, str]
-) -> float:
-    """Returns the overlap at which MuJoCo's own contact takes over [m].
-
-    During a pulse of duration W bodies that close with the speed u overlap by up to
-    u W / 2, half of what two geoms of this depth leave; u is taken as that of a fall
-    through the scene.
-    """
-    duration = _pulse_duration(config)
-    if duration == 0:
-        return DEPTH
-    size = smallest_size(model, owned)
-    overlap = fall_speed(model) * duration / 2
-    return round_up(min(max(overlap, SMALLEST_OF_LONG * size), LARGEST * size))
-
-
-def _pulse_duration(config: Mapping[str, str]) -> float:
-    """Returns how long pulses last [s]; 0 for a Hertz contact, which is shorter."""
-    usual = "paper" if config.get("law") == "calibrated" else "hertz"
-    duration = config.get("duration", usual)
-    if duration in ("hertz", "paper"):
-        return 0.0 if duration == "hertz" else PAPER_DURATION
-    return float(duration)
 
 
 def _check_positive(label: str, number: float | None, allowed: str) -> None:

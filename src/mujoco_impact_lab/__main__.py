@@ -43,12 +43,14 @@ def environments(folder: Path) -> None:
 
 
 @app.command()
-def instructions(program: Path, friction_program: Path, file: Path) -> None:
-    """Count the instructions of the impact law under valgrind; write JSON."""
+def instructions(
+    program: Path, friction_program: Path, step_program: Path, file: Path
+) -> None:
+    """Count the instructions of impacts and of steps under valgrind; write JSON."""
     from mujoco_impact_lab.bench.instructions import write_counts
 
     with clean_errors():
-        write_counts(program, friction_program, file)
+        write_counts(program, friction_program, step_program, file)
 
 
 @app.command()

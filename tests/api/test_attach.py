@@ -130,15 +130,31 @@ def test_default_gap_covers_a_fall_through_the_scene() -> None:
     assert needed <= margin + gap <= 1.01 * needed
 
 
-@pytest.mark.parametrize("count", [1, 50])
-def test_the_default_depth_does_not_depend_on_the_scene(count: int) -> None:
-    """Pulses that come at once need no room: a micrometre, however many geoms."""
+def row_of_balls(count: int, pitch: float) -> str:
+    """Free balls of a radius of 2 cm side by side, centres `pitch` apart [m]."""
     balls = "".join(
-        f'<body pos="{i} 0 .5"><freejoint/><geom name="b{i}" size=".02"/></body>'
+        f'<body pos="{pitch * i!r} 0 .5"><freejoint/><geom size=".02"/></body>'
         for i in range(count)
     )
-    spec = attach(f"<mujoco><worldbody>{balls}</worldbody></mujoco>")
-    assert all(geom.margin == -1e-6 for geom in spec.geoms)
+    return f"<mujoco><worldbody>{balls}</worldbody></mujoco>"
+
+
+@pytest.mark.parametrize("count", [1, 50])
+def test_the_default_depth_does_not_depend_on_the_number_of_geoms(count: int) -> None:
+    """Pulses that come at once need no room: a tenth of a micrometre."""
+    spec = attach(row_of_balls(count, 0.04))
+    assert all(geom.margin == -1e-7 for geom in spec.geoms)
+
+
+@pytest.mark.parametrize(
+    ("overlap", "depth"), [(-1e-6, 1e-7), (1e-6, 1e-6), (1.9e-6, 1e-6), (3e-6, 1e-7)]
+)
+def test_the_default_depth_has_room_for_rounded_positions(
+    overlap: float, depth: float
+) -> None:
+    """Of balls that are to touch; what overlaps more is not rounded, but pressed."""
+    spec = attach(row_of_balls(3, 0.04 - overlap))
+    assert all(geom.margin == -depth for geom in spec.geoms)
 
 
 def test_long_pulses_get_a_larger_depth() -> None:

@@ -5,9 +5,13 @@ from __future__ import annotations
 import stat
 from pathlib import Path
 
+import mujoco
 import pytest
 
-from mujoco_impact_lab.bench.instructions import InstructionsError, count_instructions
+from mujoco_impact.runner import load_model
+from mujoco_impact_lab.bench.callgrind import InstructionsError
+from mujoco_impact_lab.bench.instructions import count_instructions
+from mujoco_impact_lab.bench.step_instructions import count_steps, workloads
 
 FAKE = """#!/bin/sh
 echo "==1== Collected : 5000" >&2
@@ -23,6 +27,32 @@ def valgrind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     program.chmod(program.stat().st_mode | stat.S_IXUSR)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
     return program
+
+
+@pytest.mark.usefixtures("valgrind", "library")
+def test_counts_of_steps_are_per_step() -> None:
+    """With the plugin and without, 100 steps each."""
+    workload = workloads()[0]
+    count = count_steps(Path("step_workload"), workload)
+    assert (count["scene"], count["ratio"]) == ("a ball rests", 1.0)
+    assert count["instructions"] == count["without"] == 50
+
+
+@pytest.mark.usefixtures("library")
+def test_every_scene_whose_steps_are_counted_loads_with_the_plugin_and_without() -> (
+    None
+):
+    """What rests is at rest, and its impacts are the plugin's."""
+    for workload in workloads():
+        ours, without = map(load_model, workload.specs())
+        assert (ours.nplugin, without.nplugin) == (1, 0)
+        assert ours.nv == without.nv
+        if workload.settled:
+            data = mujoco.MjData(ours)
+            mujoco.mj_step(ours, data, workload.settled)
+            assert data.ncon
+            # on a slope MuJoCo's contacts creep by 2 mm/s
+            assert abs(data.qvel).max() < 3e-3
 
 
 @pytest.mark.usefixtures("valgrind")

@@ -23,11 +23,12 @@ class Conformance(test_utils.EnvironmentTestMixin):
 
 
 class SuiteTask(Conformance):
+    domain = "cradle"
     task: str
 
     def make_object_under_test(self):
         kwargs = {"random": 0, "time_limit": 0.2}
-        return envs.load("cradle", self.task, task_kwargs=kwargs)
+        return envs.load(self.domain, self.task, task_kwargs=kwargs)
 
 
 class TestStrike(SuiteTask, absltest.TestCase):
@@ -42,6 +43,10 @@ class TestSelect(SuiteTask, absltest.TestCase):
     task = "select"
 
 
+class TestBank(SuiteTask, absltest.TestCase):
+    domain, task = "billiards", "bank"
+
+
 class TestComposer(Conformance, absltest.TestCase):
     def make_object_under_test(self):
         return environment(time_limit=0.2)
@@ -54,5 +59,5 @@ class TestStockDomain(Conformance, absltest.TestCase):
 
 
 def test_every_task_has_a_class():
-    tested = {one.task for one in SuiteTask.__subclasses__()}
-    assert tested == {task for _, task in envs.ALL_TASKS}
+    tested = {(one.domain, one.task) for one in SuiteTask.__subclasses__()}
+    assert tested == set(envs.ALL_TASKS)

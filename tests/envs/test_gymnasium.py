@@ -15,7 +15,7 @@ from gymnasium.utils.env_checker import check_env
 from mujoco_impact import envs
 from mujoco_impact.errors import ConfigError, SimulationError
 
-IDS = [envs.environment_id(task) for _, task in envs.ALL_TASKS]
+IDS = [envs.environment_id(*game) for game in envs.ALL_TASKS]
 
 
 @pytest.fixture(params=IDS)
@@ -30,6 +30,7 @@ def test_the_ids_are_those_of_the_tasks():
         "mujoco_impact/CradleStrike-v0",
         "mujoco_impact/CradleDamp-v0",
         "mujoco_impact/CradleSelect-v0",
+        "mujoco_impact/BilliardsBank-v0",
     ]
     assert set(IDS) <= set(gymnasium.registry)
 
@@ -87,7 +88,7 @@ def test_contacts_and_settings_can_be_chosen():
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"task": "hit"}, "there is no task 'hit' .available: .'strike', 'damp'"),
+        ({"task": "hit"}, "there is no task 'cradle hit' .available: .'cradle strike'"),
         ({"render_mode": "human"}, "render_mode = 'human': allowed are None and"),
         ({"contacts": "soft"}, "contacts = 'soft': allowed are 'impact' and 'mujoco'"),
         ({"contacts": "mujoco", "young": 1e9}, "takes no settings, got young"),
@@ -95,10 +96,10 @@ def test_contacts_and_settings_can_be_chosen():
     ],
 )
 def test_bad_options_are_refused_with_a_reason(options, said):
-    from mujoco_impact.envs.gym import CradleEnv
+    from mujoco_impact.envs.gym import ImpactEnv
 
     with pytest.raises(ConfigError, match=said):
-        CradleEnv(**{"task": "strike", **options})
+        ImpactEnv(**{"domain": "cradle", "task": "strike", **options})
 
 
 def test_a_simulation_that_breaks_down_is_an_error():
@@ -114,12 +115,12 @@ def test_dm_control_and_gymnasium_play_the_same_game():
     pytest.importorskip("dm_control")
     for name, (domain, task) in zip(IDS, envs.ALL_TASKS, strict=True):
         theirs = envs.load(domain, task, task_kwargs={"random": 0})
-        start = theirs.reset()
+        theirs.reset()
         env = gymnasium.make(name).unwrapped
         env.reset(seed=0)
-        env.data.qpos[:] = start.observation["angles"]
+        env.data.qpos[:] = theirs.physics.data.qpos
         # what the other drew at random
-        env._task = copy.deepcopy(theirs.task.cradle_task)
+        env._task = copy.deepcopy(theirs.task.rules)
         rng = np.random.default_rng(1)
         for _ in range(200):
             action = rng.uniform(-1, 1, env.action_space.shape)

@@ -1,4 +1,4 @@
-"""dm_control's own test of its suite, run on the domain `cradle`."""
+"""dm_control's own test of its suite, run on our domains."""
 
 import pytest
 
@@ -17,7 +17,7 @@ with pytest.MonkeyPatch.context() as patch:
     from dm_control.suite.suite_test import SuiteTest
 
 
-class TestCradle(SuiteTest):
+class TestOurs(SuiteTest):
     """Names, specifications, determinism, no constant observation, and so on."""
 
 
@@ -26,11 +26,12 @@ del SuiteTest
 
 
 def test_every_task_is_tested():
-    names = {name for name in dir(TestCradle) if "deterministic" in name}
-    assert len(names) == len(envs.ALL_TASKS) == 3
+    names = {name for name in dir(TestOurs) if "deterministic" in name}
+    assert len(names) == len(envs.ALL_TASKS) == 4
     assert set(envs.ALL_TASKS) <= set(suite.ALL_TASKS)
     assert set(envs.ALL_TASKS) <= set(suite.BENCHMARKING)
     assert suite.TASKS_BY_DOMAIN["cradle"] == ("strike", "damp", "select")
+    assert suite.TASKS_BY_DOMAIN["billiards"] == ("bank",)
 
 
 @pytest.mark.parametrize(("domain", "task"), envs.ALL_TASKS)

@@ -1,12 +1,14 @@
 """What happens in the scenes of contact, against closed forms and integrated contacts.
 
 Timestep 2 ms unless said. The truths use nothing of the plugin: rigid Coulomb friction
-with energetic restitution, in closed form or by the pieces of Darboux and Keller.
+with energetic restitution, in closed form or by the pieces of Keller.
 """
 
 from __future__ import annotations
 
 import math
+import sys
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -15,6 +17,9 @@ import pytest
 import cradle_models as cm
 import mujoco_impact
 from mujoco_impact.reference.spheres import Plane, Sphere, sphere_velocities
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "law"))
+import keller
 
 G = 9.81
 
@@ -58,7 +63,7 @@ def test_spin_after_a_bounce_is_that_of_the_closed_form(friction, restitution):
         slides += tangential != needed
         after = 1.0 + tangential / mass
         spun = spin - 2.5 * tangential / (mass * radius)
-        # gravity goes on for the 60 µs of the contact: mu g T = 2e-4 m/s for mu = 0.3
+        # gravity goes on for the 60 µs of the contact: impulses are scaled by 1.2e-4
         assert speed[0] == pytest.approx(after, abs=2e-4)
         assert radius * turning[1] == pytest.approx(radius * spun, abs=4e-4)
     # both regimes are there
@@ -85,12 +90,12 @@ def test_the_angle_off_a_cushion_is_that_of_a_sphere_on_a_plane(angle, side):
     change = max(-most, min(most, -2 / 7 * (along - radius * side)))
     expected = along + change, -e * into
     found = math.degrees(math.atan2(velocity[0], -velocity[1]))
-    # a hundredth of a degree is .3 mm on a metre
+    # a closed form in both: what is left is the path of the ball within a step
     assert found == pytest.approx(
-        math.degrees(math.atan2(expected[0], -expected[1])), abs=0.01
+        math.degrees(math.atan2(expected[0], -expected[1])), abs=1e-3
     )
     spun = radius * side - 2.5 * change
-    assert radius * spin[2] == pytest.approx(spun, abs=1e-4 * v)
+    assert radius * spin[2] == pytest.approx(spun, abs=1e-6 * v)
 
 
 @pytest.mark.parametrize("cut", [15.0, 30.0, 60.0])
@@ -111,8 +116,8 @@ def test_an_object_ball_is_thrown_by_the_angle_of_the_closed_form(cut, side):
     # along the tangent (sin phi, -cos phi) where the slip is positive
     thrown = -math.copysign(math.atan(ratio), slip)
     found = math.degrees(math.atan2(velocity[1], velocity[0])) - cut
-    # the billiards of the law's own tests: .02 degrees are asked for
-    assert found == pytest.approx(math.degrees(thrown), abs=0.02)
+    # a closed form in both
+    assert found == pytest.approx(math.degrees(thrown), abs=1e-3)
 
 
 def test_a_break_in_the_middle_is_its_own_mirror_image_and_keeps_momentum():
@@ -206,10 +211,14 @@ def test_the_wave_of_dominoes_does_not_depend_on_the_timestep():
         model, data = released(xml, restitution=0.3)
         last = data.body("stone_8")
         # an angular velocity of 1 rad/s: struck
+        deepest = 0.0
         while abs(last.cvel[1]) < 1.0:
             mujoco.mj_step(model, data)
+            deepest = min(deepest, *data.contact.dist)
             assert data.time < 1.0
         arrival[timestep] = data.time
+        # MuJoCo's contacts alone let them 4 mm into each other, of 8 mm
+        assert deepest > -5e-4
     # steps of 2 ms tell the time to half a step, 0.3 % of it
     assert arrival[0.002] == pytest.approx(arrival[0.0005], rel=0.015)
 
@@ -261,60 +270,14 @@ def test_a_cannon_shoots_as_hertz_integrated(gap):
     truth = sphere_velocities(spheres, [floor], data.time, rtol=1e-8)
     speed = math.sqrt(2 * G * height)
     found = velocities(data)[:, 0]
-    # contacts of 0.1 ms in steps of 2 ms, in fractions of the speed of the fall
-    np.testing.assert_allclose(found / speed, truth / speed, rtol=0, atol=1e-3)
+    # contacts of 0.1 ms, in fractions of the speed of the fall: what is left is the
+    # gravity of that time
+    np.testing.assert_allclose(found / speed, truth / speed, rtol=0, atol=4e-4)
     # in touch they hinder each other; one after the other they shoot the top one up
     assert (found[2, 2] > 4 * speed) == (gap > 0)
 
 
 # ----------------------------------------------------------- Bernoulli's problem
-
-
-def keller(
-    normal: float, slip: float, w: tuple[float, float, float], mu: float, e: float
-) -> tuple[float, float]:
-    """Impulses of one contact in a plane [Darboux 1880, Keller 1986].
-
-    The impulse of the normal is the clock. With it the velocities change by the rates
-    a_n = W_n + X tau, a_t = X + W_t tau, tau = -mu sgn(slip) where it slides, or
-    -X / W_t where it sticks. Compression ends when the normal velocity is zero, the
-    impact when e^2 of its work has come back.
-
-    Args:
-        normal: Normal velocity, negative: approaching.
-        slip: Tangential velocity.
-        w: W_n, X and W_t.
-        mu: Coefficient of friction.
-        e: Energetic restitution.
-
-    Returns:
-        The impulses along the normal and along the tangent.
-    """
-    w_n, x, w_t = w
-    clock = tangential = stored = 0.0
-    for compressing in (True, False):
-        while True:
-            if abs(slip) > 1e-14:
-                tau = -mu * math.copysign(1, slip)
-            else:
-                tau = -x / w_t if abs(x) <= mu * w_t else -mu * math.copysign(1, x)
-            a_n, a_t = w_n + x * tau, x + w_t * tau
-            until = -slip / a_t if a_t * slip < 0 else math.inf
-            if compressing:
-                ends = -normal / a_n
-            else:
-                ends = (math.sqrt(normal**2 + 2 * a_n * stored) - normal) / a_n
-            piece = min(until, ends)
-            clock += piece
-            tangential += tau * piece
-            stored -= normal * piece + a_n * piece**2 / 2
-            normal += a_n * piece
-            slip = 0.0 if piece == until else slip + a_t * piece
-            if piece == ends:
-                break
-        if compressing:
-            stored *= e**2
-    return clock, tangential
 
 
 @pytest.mark.parametrize("count", [2, 3, 4, 5])
@@ -329,7 +292,8 @@ def test_one_ball_strikes_several_at_once_as_one_contact(count, mu, e):
     w_n = (1 + count * cosine**2) / mass
     w_t = (3.5 + count * sine**2) / mass
     x = -count * cosine * sine / mass
-    normal, tangential = keller(-cosine, sine, (w_n, x, w_t), mu, e)
+    W = np.array([[w_n, x], [x, w_t]])
+    normal, tangential = keller.impulses(-cosine, sine, W, mu, e)
     striker = 1.0 - count * (normal * cosine - tangential * sine) / mass
     # of a struck ball: along x, and away from the axis
     ahead = (normal * cosine - tangential * sine) / mass
@@ -338,10 +302,10 @@ def test_one_ball_strikes_several_at_once_as_one_contact(count, mu, e):
     step_past(model, data, 0.05 + 0.006)
     found = velocities(data)
     # the law is integrated to 1e-5 of the impact speed, 1 m/s
-    assert found[0, 0, 0] == pytest.approx(striker, abs=1e-4)
-    np.testing.assert_allclose(found[1:, 0, 0], ahead, rtol=0, atol=1e-4)
+    assert found[0, 0, 0] == pytest.approx(striker, abs=3e-5)
+    np.testing.assert_allclose(found[1:, 0, 0], ahead, rtol=0, atol=3e-5)
     away = np.linalg.norm(found[1:, 0, 1:], axis=1)
-    np.testing.assert_allclose(away, abs(aside), rtol=0, atol=1e-4)
+    np.testing.assert_allclose(away, abs(aside), rtol=0, atol=3e-5)
     turning = radius * np.linalg.norm(found[1:, 1], axis=1)
-    np.testing.assert_allclose(turning, abs(spin), rtol=0, atol=1e-4)
+    np.testing.assert_allclose(turning, abs(spin), rtol=0, atol=3e-5)
     assert found[:, 0].sum(axis=0) == pytest.approx([1.0, 0.0, 0.0], abs=1e-10)

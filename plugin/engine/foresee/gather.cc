@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engine/foresee/look.h"
 #include "engine/foresee/narrow_phase.h"
 #include "engine/foresee/silence.h"
 #include "engine/scene/tree_kinds.h"
@@ -42,10 +43,6 @@ mjtNum FreeSince(const mjModel* m, const mjContact& contact, const mjtNum* busy)
     if (tree >= 0 && busy[tree] < h) free = std::max(free, busy[tree]);
   }
   return free;
-}
-
-bool SamePair(const mjContact& a, const mjContact& b) {
-  return a.geom[0] == b.geom[0] && a.geom[1] == b.geom[1];
 }
 
 // Room for the points that pairs may touch in beyond those that they have now.
@@ -87,25 +84,6 @@ void Replace(const mjModel* m, const mjData* d, const mjContact& point, int k, G
   gathered.lowest[k] = LowestGap(m, d, point, gathered.mocap, gathered.kick);
 }
 
-// Whether `may_close` holds for any contact that is offered, as it is or, where its distance is in
-// doubt, as it is found again.
-template <typename Predicate>
-bool AnyOffered(const mjModel* m, mjData* d, Predicate may_close) {
-  for (int i = 0; i < d->ncon; ++i) {
-    const mjContact& contact = d->contact[i];
-    if (!IsOffered(contact)) continue;
-    if (may_close(contact)) return true;
-    if (!IsDoubtful(m, d, i)) continue;
-    Scratch scratch(d);
-    // the step asks for more, and says so
-    if (!scratch.Fits(NarrowPhaseBytes(m))) return true;
-    mjContact* points = scratch.Take<mjContact>(kMostPoints);
-    const int number = FindPoints(m, d, contact, contact.dist, points);
-    if (std::any_of(points, points + number, may_close)) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 bool IsOnPath(const mjModel* m, const mjContact& contact) {
@@ -145,16 +123,18 @@ int FindPointsAgain(const mjModel* m, mjData* d, const int* position, int count,
   return asked;
 }
 
-bool AnyMayClose(const mjModel* m, mjData* d, const MocapRecord* mocap, mjtNum touch) {
-  return AnyOffered(
-      m, d, [&](const mjContact& contact) { return MayClose(m, d, contact, mocap, touch); });
-}
-
 bool AnyMayCloseByPulses(const mjModel* m, mjData* d, const MocapRecord* mocap, mjtNum touch,
                          const mjtNum* kick) {
-  return AnyOffered(m, d, [&](const mjContact& contact) {
+  const auto may_close = [&](const mjContact& contact) {
     return LowestGap(m, d, contact, mocap, kick) < std::min(-touch, contact.dist);
-  });
+  };
+  for (int i = 0; i < d->ncon; ++i) {
+    const mjContact& contact = d->contact[i];
+    if (!IsOffered(contact)) continue;
+    if (may_close(contact)) return true;
+    if (IsDoubtful(m, d, i) && AnyFoundAgain(m, d, i, may_close)) return true;
+  }
+  return false;
 }
 
 Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership, State& state,
@@ -230,6 +210,7 @@ bool FindDue(const mjModel* m, mjData* d, const Outlook& outlook, mjtNum touch, 
   Scratch scratch(d);
   Motion settled = outlook.motion;
   if (outlook.arrears) settled.velocity = SettledVelocity(m, outlook, 0, scratch);
+  const mjtNum at_rest = LargestRestSpeed(m, d);
   bool any = false;
   for (int k = 0; k < gathered.count; ++k) {
     const mjContact& contact = *gathered.contact[k];
@@ -237,7 +218,7 @@ bool FindDue(const mjModel* m, mjData* d, const Outlook& outlook, mjtNum touch, 
     if (!gathered.relevant[k] || gathered.idle[k]) continue;
     // the bodies are still where MuJoCo found the contact: its velocities tell, and the pulses'
     if (outlook.start == 0 && gathered.lowest[k] >= -touch &&
-        !MayClose(m, d, contact, gathered.mocap, touch))
+        !MayClose(m, contact, ClosingSpeed(m, d, contact, gathered.mocap), at_rest, touch))
       continue;
     const mjtNum since = FreeSince(m, contact, busy) - outlook.start;
     mjtNum tau;

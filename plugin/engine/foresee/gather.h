@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds the contacts that close within the step.
 //
-// In order, each a reason to stop: no contact that is offered to us; none that may close by the
-// velocities MuJoCo has at hand; only then the path of the bodies and the time of closing.
+// Asked only if one may close by the velocities MuJoCo has at hand (look.h): then by the path of
+// the bodies, and when.
 
 #ifndef MUJOCO_IMPACT_ENGINE_FORESEE_GATHER_H_
 #define MUJOCO_IMPACT_ENGINE_FORESEE_GATHER_H_
@@ -17,11 +17,8 @@
 
 namespace mujoco_impact::engine {
 
-// Whether any contact that is offered may close within the step: all that most steps ever ask.
-bool AnyMayClose(const mjModel* m, mjData* d, const MocapRecord* mocap, mjtNum touch);
-
-// The same where pulses are under way, which add `kick` to the velocity in this step (nv): contacts
-// deeper than their depth may close, too.
+// Whether any contact that is offered may close where pulses are under way, which add `kick` to the
+// velocity in this step (nv): contacts deeper than their depth may close, too.
 bool AnyMayCloseByPulses(const mjModel* m, mjData* d, const MocapRecord* mocap, mjtNum touch,
                          const mjtNum* kick);
 

@@ -192,15 +192,11 @@ size_t NarrowPhaseBytes(const mjModel* m) {
   return kMostPoints * sizeof(mjContact) + kIteration * FineIterations(m) + kRest;
 }
 
-bool IsDoubtful(const mjModel* m, const mjData* d, int i) {
+bool AreOfFaces(const mjModel* m, const mjData* d, int i) {
   const mjContact& contact = d->contact[i];
-  if (contact.geom[0] < 0 || contact.geom[1] < 0 || contact.dist <= 0) return false;
-  const auto same = [&](int j) {
-    return j >= 0 && j < d->ncon && d->contact[j].geom[0] == contact.geom[0] &&
-           d->contact[j].geom[1] == contact.geom[1];
-  };
-  if (same(i - 1) || !same(i + 1) || !IsGeneral(m, contact)) return false;
-  for (int j = i + 1; same(j); ++j) {
+  if (contact.geom[0] < 0 || contact.geom[1] < 0 || !IsGeneral(m, contact)) return false;
+  if (i > 0 && SamePair(d->contact[i - 1], contact)) return false;
+  for (int j = i; j < d->ncon && SamePair(d->contact[j], contact); ++j) {
     if (d->contact[j].dist <= 0) return false;
   }
   return true;

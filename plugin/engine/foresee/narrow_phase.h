@@ -22,10 +22,21 @@ bool FollowsFromCentres(const mjModel* m, const mjContact& contact);
 // those of the start of the step.
 bool CanBeAsked(const mjModel* m, const mjContact& contact);
 
+inline bool SamePair(const mjContact& a, const mjContact& b) {
+  return a.geom[0] == b.geom[0] && a.geom[1] == b.geom[1];
+}
+
+// Whether the distances that MuJoCo found for contact i and those that follow it of the same pair
+// are those of faces that are apart.
+bool AreOfFaces(const mjModel* m, const mjData* d, int i);
+
 // Whether the distances that MuJoCo found for the pair of contact i, the first of it, are in doubt.
 // Of two geoms that are apart but near, its general algorithm may tell several points: those of
-// their nearest faces, clipped, with distances that can be twice the true one.
-bool IsDoubtful(const mjModel* m, const mjData* d, int i);
+// their nearest faces, clipped, with distances that can be twice the true one. Most pairs have one.
+inline bool IsDoubtful(const mjModel* m, const mjData* d, int i) {
+  return i + 1 < d->ncon && SamePair(d->contact[i], d->contact[i + 1]) && d->contact[i].dist > 0 &&
+         AreOfFaces(m, d, i);
+}
 
 // The most points that a pair may touch in.
 constexpr int kMostPoints = mjMAXCONPAIR;

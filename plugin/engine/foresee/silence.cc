@@ -17,12 +17,6 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-// Whether bodies move faster than those at rest on each other at least may.
-bool IsOnTheMove(const mjModel* m, const mjData* d, const mjContact& contact,
-                 const MocapRecord* mocap) {
-  return std::abs(ClosingSpeed(m, d, contact, mocap)) > LargestRestSpeed(m, d);
-}
-
 // Whether they move faster than what presses them lets those at rest.
 class RestOfContacts {
  public:
@@ -63,20 +57,22 @@ bool HasPulse(const State& state, const mjContact& contact, bool parting) {
   return false;
 }
 
-void SilenceMoving(const mjModel* m, mjData* d, int instance, bool pulses, State& state) {
-  if (d->nefc == d->ne) return;
+void SilenceMoving(const mjModel* m, mjData* d, int instance, bool moving, State& state) {
   const bool pressed = state.header().pressed_until > state.header().clock;
+  if (d->nefc == d->ne || !(moving || pressed)) return;
   const Ownership ownership(m, instance);
+  const mjtNum at_rest = LargestRestSpeed(m, d);
   std::optional<RestOfContacts> rest;
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
     if (!IsTakenOver(ownership, contact)) continue;
+    const mjtNum c = ClosingSpeed(m, d, contact, state.mocap());
     // what falls back meanwhile is MuJoCo's to carry
-    if (pressed && HasPulse(state, contact, ClosingSpeed(m, d, contact, state.mocap()) < 0)) {
+    if (pressed && HasPulse(state, contact, c < 0)) {
       Silence(d, i);
       continue;
     }
-    if (pulses || !IsOnTheMove(m, d, contact, state.mocap())) continue;
+    if (!moving || std::abs(c) <= at_rest) continue;
     if (!rest) {
       // without memory the impacts of the step wait (step.cc), and MuJoCo carries them meanwhile
       if (!StepFits(m, d, Scratch(d))) return;

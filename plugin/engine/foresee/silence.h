@@ -19,9 +19,9 @@ namespace mujoco_impact::engine {
 // Whether a pulse between the geoms of the contact presses, or still parts them.
 bool HasPulse(const State& state, const mjContact& contact, bool parting);
 
-// Silences the owned contacts in which pulses press and, unless any is under way, those whose
+// Silences the owned contacts in which pulses press and, if any is `moving` (look.h), those whose
 // bodies move along the normal faster than at rest.
-void SilenceMoving(const mjModel* m, mjData* d, int instance, bool pulses, State& state);
+void SilenceMoving(const mjModel* m, mjData* d, int instance, bool moving, State& state);
 
 }  // namespace mujoco_impact::engine
 

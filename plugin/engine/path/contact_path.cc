@@ -17,19 +17,6 @@ mjtNum Separation(const ContactAnchor& anchor, const Vector3& first, const Vecto
 
 }  // namespace
 
-mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& contact,
-                    const MocapRecord* mocap) {
-  const Vector3 position = Load(contact.pos);
-  Vector3 velocity[2];
-  for (int i = 0; i < 2; ++i) {
-    const int body = m->geom_bodyid[contact.geom[i]];
-    velocity[i] = PointVelocity(m, d, {body, position});
-    if (mocap) velocity[i] += MocapVelocity(m, d, mocap, body, position);
-  }
-  // c = −n·(v₂ − v₁)
-  return Dot(Load(contact.frame), velocity[0] - velocity[1]);
-}
-
 ContactAnchor AnchorContact(const mjModel* m, const mjData* d, const mjContact& contact) {
   ContactAnchor anchor;
   Vector3 position[2];

@@ -14,8 +14,6 @@
 
 #include <mujoco/mujoco.h>
 
-#include <algorithm>
-
 #include "engine/path/motion.h"
 #include "engine/path/point.h"
 #include "engine/path/rest.h"
@@ -23,26 +21,33 @@
 
 namespace mujoco_impact::engine {
 
-// Closing speed of a contact at the start of the step [m/s], from mjData.cvel: what the scan of
-// every step pays per contact; `mocap` is null if there is no such body.
-mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& contact,
-                    const MocapRecord* mocap);
-
-// How far bodies that close with c at the start of the step may come in it, if that is an impact
-// [m]. They are pressed by some a, reach c + 3/2 a h by its end, and must be faster than
-// u_rest = 2 a h (rest.h) there: so a h ≤ 2 c, and c h + a h² ≤ 3 c h. Nor is u_rest more than its
-// largest, where a h is 1.5 g h.
-inline mjtNum FarthestImpact(const mjModel* m, const mjData* d, mjtNum c) {
-  return std::min(3 * c, c + LargestRestSpeed(m, d) / 2) * m->opt.timestep;
+// Closing speed of a contact at the start of the step [m/s], from mjData.cvel: what the look at
+// every contact costs; `mocap` is null if there is no such body.
+inline mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& contact,
+                           const MocapRecord* mocap) {
+  const Vector3 position = Load(contact.pos);
+  const auto velocity = [&](int geom) {
+    const int body = m->geom_bodyid[geom];
+    Vector3 v{};
+    // what no joint carries has none of MuJoCo's
+    if (m->body_weldid[body] > 0) v = PointVelocity(m, d, {body, position});
+    if (mocap) v += MocapVelocity(m, d, mocap, body, position);
+    return v;
+  };
+  // c = −n·(v₂ − v₁)
+  return Dot(Load(contact.frame), velocity(contact.geom[0]) - velocity(contact.geom[1]));
 }
 
-// Whether the contact may close as an impact by the end of the step; one that MuJoCo carries, if it
-// is faster than at rest.
-inline bool MayClose(const mjModel* m, const mjData* d, const mjContact& contact,
-                     const MocapRecord* mocap, mjtNum touch) {
-  const mjtNum c = ClosingSpeed(m, d, contact, mocap);
-  if (c <= 0 || contact.dist - FarthestImpact(m, d, c) >= -touch) return false;
-  return !IsCarried(contact) || c > LargestRestSpeed(m, d);
+// Whether a contact that closes with c at the start of the step may close as an impact by its end;
+// one that MuJoCo carries, if it is faster than `at_rest`, the largest u_rest (rest.h).
+//
+// The bodies are pressed by some a, reach c + 3/2 a h by the end, and must be faster than
+// u_rest = 2 a h there: so a h ≤ 2 c, and they come c h + a h² ≤ 3 c h. Nor is u_rest more than
+// its largest, where a h is half of it.
+inline bool MayClose(const mjModel* m, const mjContact& contact, mjtNum c, mjtNum at_rest,
+                     mjtNum touch) {
+  if (c <= (IsCarried(contact) ? at_rest : 0)) return false;
+  return contact.dist - std::min(3 * c, c + at_rest / 2) * m->opt.timestep < -touch;
 }
 
 // A contact as two points of its bodies, so that its gap is known wherever the bodies are.

@@ -8,15 +8,12 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-void Write(const GeomReading& reading, const double* force, mjtNum* output) {
-  mju_copy3(output, force);
-  output[3] = reading.impulse;
-  output[4] = reading.peak;
-  output[5] = reading.alpha;
-  output[6] = reading.count;
-  mju_copy3(output + 7, reading.total);
-  output[10] = reading.largest;
-}
+// What the sensor tells of a geom, in its order.
+struct Told {
+  double force[3];
+  GeomReading reading;
+};
+static_assert(sizeof(Told) == kNumbersPerGeom * sizeof(mjtNum));
 
 }  // namespace
 
@@ -25,12 +22,11 @@ void ComputeSensors(const mjModel* m, mjData* d, int instance, bool impacts) {
   State state(m, d, instance);
   for (int i = 0; i < m->nsensor; ++i) {
     if (m->sensor_type[i] != mjSENS_PLUGIN || m->sensor_plugin[i] != instance) continue;
-    mjtNum* output = d->sensordata + m->sensor_adr[i];
-    for (int k = 0; k < state.capacity(); ++k) {
+    auto* told = reinterpret_cast<Told*>(d->sensordata + m->sensor_adr[i]);
+    for (int k = 0, count = state.capacity(); k < count; ++k) {
       const GeomRecord& record = state.record(k);
-      constexpr double kNone[3] = {0, 0, 0};
-      Write(impacts ? record.next : record.last, impacts ? record.force : kNone,
-            output + kNumbersPerGeom * k);
+      told[k] = {{0, 0, 0}, impacts ? record.next : record.last};
+      if (impacts) mju_copy3(told[k].force, record.force);
     }
   }
 }

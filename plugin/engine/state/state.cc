@@ -22,7 +22,14 @@ constexpr int kMocapSize = sizeof(MocapRecord) / sizeof(mjtNum);
 
 // A row of n balls has n − 1 contacts; four a geom leave room for overlapping pulses and clusters,
 // and for pulses that have come but press on.
-int SlotNumber(int capacity) { return 4 * capacity + 2; }
+constexpr int kSlotsPerGeom = 4;
+int SlotNumber(int capacity) { return kSlotsPerGeom * capacity + 2; }
+
+// Geoms for which a state of this size has room. What is read is bound by this alone, whatever the
+// header says.
+int CapacityOf(const mjModel* m, int size) {
+  return (size - State::Size(m, 0)) / (kRecordSize + kSlotsPerGeom * kPulseSize);
+}
 
 // Pulses that a simulation may have; serial numbers stay exact in doubles far beyond.
 constexpr double kMaxCount = 1e15;
@@ -33,13 +40,10 @@ bool IsCount(double number, double most) {
          number == static_cast<double>(static_cast<int64_t>(number));
 }
 
-// Whether the header is one that Reset wrote for a state of this size, and the steps since.
-bool IsHeader(const mjModel* m, const Header& header, int size) {
-  // what is no count must not become an int
-  if (header.version != kVersion || !IsCount(header.capacity, size)) return false;
-  const int capacity = static_cast<int>(header.capacity);
-  return State::Size(m, capacity) == size && header.slot_number == SlotNumber(capacity) &&
-         header.slot_size == kPulseSize &&
+// Whether the header is one that Reset wrote for a state of this capacity, and the steps since.
+bool IsHeader(const Header& header, int capacity) {
+  return header.version == kVersion && header.capacity == capacity &&
+         header.slot_number == SlotNumber(capacity) && header.slot_size == kPulseSize &&
          header.slot_offset == kHeaderSize + capacity * kRecordSize &&
          IsCount(header.count, kMaxCount) && IsCount(header.active, header.slot_number) &&
          IsCount(header.pending_pulses, kMaxCount) && std::isfinite(header.clock) &&
@@ -87,13 +91,19 @@ void State::Reset(const mjModel* m, mjtNum* plugin_state, int instance) {
 
 State::State(const mjModel* m, mjData* d, int instance) {
   mjtNum* numbers = d->plugin_state + m->plugin_stateadr[instance];
+  capacity_ = CapacityOf(m, m->plugin_statenum[instance]);
   header_ = reinterpret_cast<Header*>(numbers);
-  if (!IsHeader(m, *header_, m->plugin_statenum[instance])) {
-    // all zeros is a state that has not begun
-    if (header_->version != 0) WarnOfReset();
-    Reset(m, numbers, instance);
-  }
-  Bind(m, numbers);
+  records_ = reinterpret_cast<GeomRecord*>(header_ + 1);
+  pulses_ = reinterpret_cast<Pulse*>(records_ + capacity_);
+  slots_ = SlotNumber(capacity_);
+  correction_ = reinterpret_cast<mjtNum*>(pulses_ + slots_);
+  held_force_ = correction_ + m->nv;
+  flights_ = reinterpret_cast<FlightRecord*>(held_force_ + m->nv);
+  mocap_ = m->nmocap > 0 ? reinterpret_cast<MocapRecord*>(flights_ + m->ntree) : nullptr;
+  if (IsHeader(*header_, capacity_)) return;
+  // all zeros is a state that has not begun
+  if (header_->version != 0) WarnOfReset();
+  Reset(m, numbers, instance);
 }
 
 void State::ResetUnlessSound(const mjModel* m, int instance) {
@@ -101,17 +111,6 @@ void State::ResetUnlessSound(const mjModel* m, int instance) {
   if (std::all_of(pulses_, pulses_ + slots(), is_pulse)) return;
   WarnOfReset();
   Reset(m, reinterpret_cast<mjtNum*>(header_), instance);
-}
-
-void State::Bind(const mjModel* m, mjtNum* numbers) {
-  const int room = capacity();
-  records_ = reinterpret_cast<GeomRecord*>(numbers + kHeaderSize);
-  mjtNum* pulses = numbers + kHeaderSize + room * kRecordSize;
-  pulses_ = reinterpret_cast<Pulse*>(pulses);
-  correction_ = pulses + SlotNumber(room) * kPulseSize;
-  held_force_ = correction_ + m->nv;
-  flights_ = reinterpret_cast<FlightRecord*>(held_force_ + m->nv);
-  mocap_ = m->nmocap > 0 ? reinterpret_cast<MocapRecord*>(flights_ + m->ntree) : nullptr;
 }
 
 }  // namespace mujoco_impact::engine

@@ -77,8 +77,8 @@ class State {
 
   Header& header() { return *header_; }
   const Header& header() const { return *header_; }
-  int capacity() const { return static_cast<int>(header_->capacity); }
-  int slots() const { return static_cast<int>(header_->slot_number); }
+  int capacity() const { return capacity_; }
+  int slots() const { return slots_; }
   GeomRecord& record(int index) { return records_[index]; }
   Pulse& pulse(int slot) { return pulses_[slot]; }
   const Pulse& pulse(int slot) const { return pulses_[slot]; }
@@ -88,8 +88,7 @@ class State {
   MocapRecord* mocap() { return mocap_; }  // null if the model has no mocap body
 
  private:
-  void Bind(const mjModel* m, mjtNum* numbers);
-
+  int capacity_, slots_;
   Header* header_;
   GeomRecord* records_;
   Pulse* pulses_;

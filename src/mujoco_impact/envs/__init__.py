@@ -1,10 +1,11 @@
 """Impacts inside dm_control and gymnasium environments.
 
-`load` makes an environment of dm_control's suite with our contacts: the domain
-`cradle` with the tasks of `ALL_TASKS`, or any of its own. `attach_mjcf` gives our
-contacts to a PyMJCF model, `Cradle` is an entity for `dm_control.composer`.
-Importing this package registers the tasks with gymnasium if that is installed, as
-`mujoco_impact/CradleStrike-v0` and so on. dm_control is imported when it is first used.
+`load` makes an environment of dm_control's suite with our contacts: the domains
+`cradle` and `billiards` with the tasks of `ALL_TASKS`, or any of its own.
+`attach_mjcf` gives our contacts to a PyMJCF model, `Cradle` is an entity for
+`dm_control.composer`. Importing this package registers the tasks with gymnasium if that
+is installed, as `mujoco_impact/CradleStrike-v0` and so on. dm_control is imported when
+it is first used.
 """
 
 from __future__ import annotations
@@ -12,9 +13,11 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from mujoco_impact.envs.billiards import bank_model
 from mujoco_impact.envs.cradle import cradle_model
 from mujoco_impact.envs.force_buffer import ForceBuffer
-from mujoco_impact.envs.tasks import CONTROL_TIMESTEP, DOMAIN, TASKS, TIME_LIMIT
+from mujoco_impact.envs.games import GAMES
+from mujoco_impact.envs.tasks import CONTROL_TIMESTEP, TIME_LIMIT
 from mujoco_impact.extras import is_installed, require
 
 if TYPE_CHECKING:
@@ -24,10 +27,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ALL_TASKS",
-    "TASKS",
     "Cradle",
     "ForceBuffer",
     "attach_mjcf",
+    "bank_model",
     "cradle_model",
     "environment_id",
     "load",
@@ -35,7 +38,7 @@ __all__ = [
     "register_suite",
 ]
 
-ALL_TASKS = tuple((DOMAIN, task) for task in TASKS)
+ALL_TASKS = tuple(GAMES)
 """Domain and task of every environment of this package."""
 
 NAMESPACE = "mujoco_impact"
@@ -49,9 +52,9 @@ _WITH_DM_CONTROL = {
 }
 
 
-def environment_id(task: str) -> str:
+def environment_id(domain: str, task: str) -> str:
     """Returns the id of a task, such as "mujoco_impact/CradleStrike-v0"."""
-    return f"{NAMESPACE}/Cradle{task.capitalize()}-v0"
+    return f"{NAMESPACE}/{domain.capitalize()}{task.capitalize()}-v0"
 
 
 def register_gymnasium() -> None:
@@ -64,14 +67,15 @@ def register_gymnasium() -> None:
         MissingExtraError: If gymnasium is not installed.
     """
     gymnasium = require("gymnasium")
-    for task in TASKS:
-        if environment_id(task) in gymnasium.registry:
+    for domain, task in ALL_TASKS:
+        name = environment_id(domain, task)
+        if name in gymnasium.registry:
             continue
         gymnasium.register(
-            id=environment_id(task),
-            entry_point="mujoco_impact.envs.gym:CradleEnv",
+            id=name,
+            entry_point="mujoco_impact.envs.gym:ImpactEnv",
             max_episode_steps=round(TIME_LIMIT / CONTROL_TIMESTEP),
-            kwargs={"task": task},
+            kwargs={"domain": domain, "task": task},
         )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, Literal
 
 import mujoco
@@ -66,12 +67,7 @@ def cradle_model(
     count = len(pattern)
     if not 1 <= motors <= count:
         raise ConfigError(f"motors = {motors}: allowed are 1 to {count}")
-    if contacts not in ("impact", "mujoco"):
-        msg = f"contacts = {contacts!r}: allowed are 'impact' and 'mujoco'"
-        raise ConfigError(msg)
-    if contacts == "mujoco" and settings:
-        msg = f"contacts='mujoco' takes no settings, got {', '.join(settings)}"
-        raise ConfigError(msg)
+    check_contacts(contacts, settings)
     spec = read_spec(cradle_models.row(pattern, timestep=TIMESTEP))
     _add_motors(spec, motors)
     _add_looks(spec, count, motors)
@@ -79,6 +75,16 @@ def cradle_model(
         options: dict[str, Any] = {"restitution": RESTITUTION, **settings}
         spec = attach(spec, **options)
     return compile_spec(spec)
+
+
+def check_contacts(contacts: Contacts, settings: Mapping[str, Setting]) -> None:
+    """Raises ConfigError for other contacts, or settings of what is not there."""
+    if contacts not in ("impact", "mujoco"):
+        msg = f"contacts = {contacts!r}: allowed are 'impact' and 'mujoco'"
+        raise ConfigError(msg)
+    if contacts == "mujoco" and settings:
+        msg = f"contacts='mujoco' takes no settings, got {', '.join(settings)}"
+        raise ConfigError(msg)
 
 
 def _add_motors(spec: mujoco.MjSpec, motors: int) -> None:

@@ -1,21 +1,23 @@
-"""The cradle as a domain of dm_control's suite.
+"""Our tasks as domains of dm_control's suite.
 
-Like the modules in `dm_control.suite` it has `SUITE`, a `Physics` and a function for
-each task; `register_suite` adds it to the suite itself. Importing this module needs
-dm_control.
+Like the modules in `dm_control.suite` a domain has `SUITE`, the functions that make its
+environments; `register_suite` adds ours to the suite itself. Importing this module
+needs dm_control.
 """
 
 from __future__ import annotations
 
 import collections
+from collections.abc import Callable, Mapping
+from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from mujoco_impact.envs.cradle import Contacts, CradleState, cradle_model
-from mujoco_impact.envs.tasks import CONTROL_TIMESTEP, TASKS, TIME_LIMIT
+from mujoco_impact.envs import tasks
+from mujoco_impact.envs.games import GAMES
+from mujoco_impact.envs.tasks import CONTROL_TIMESTEP, TIME_LIMIT
 from mujoco_impact.extras import require
-from mujoco_impact.settings import Setting
 from mujoco_impact.trajectory import Array
 
 mujoco: Any = require("dm_control.mujoco")
@@ -24,12 +26,9 @@ control: Any = require("dm_control.rl.control")
 base: Any = require("dm_control.suite.base")
 containers: Any = require("dm_control.utils.containers")
 
-SUITE = containers.TaggedTasks()
-"""Factories of the tasks by name, as in every domain of the suite."""
-
 
 class Physics(mujoco.Physics):  # type: ignore[misc]
-    """Physics of the cradle.
+    """Physics of our tasks.
 
     A copy or a pickle steps as the original does: dm_control's own loses what the
     environment has set, and goes on with legacy steps.
@@ -54,89 +53,92 @@ class Physics(mujoco.Physics):  # type: ignore[misc]
 
 
 class Task(base.Task):  # type: ignore[misc]
-    """A `CradleTask` as dm_control wants it."""
+    """A task as dm_control wants it."""
 
-    def __init__(self, name: str, state: CradleState, random: Any = None) -> None:
-        """Makes the task of that name.
+    def __init__(self, rules: tasks.Task, random: Any = None) -> None:
+        """Takes the task.
 
         Args:
-            name: One of `TASKS`.
-            state: View of the model of the physics.
+            rules: What is played.
             random: Seed or `numpy.random.RandomState`.
         """
         super().__init__(random=random)
-        self.cradle_task = TASKS[name](state)
+        self.rules = rules
 
     def initialize_episode(self, physics: Any) -> None:
         """Draws the initial state of an episode."""
-        self.cradle_task.begin(physics.data, self.random)
+        self.rules.begin(physics.data, self.random)
         super().initialize_episode(physics)
 
     def after_step(self, physics: Any) -> None:
         """Follows the motion, and shows the reward if asked to."""
-        self.cradle_task.after_step(physics.data)
+        self.rules.after_step(physics.data)
         super().after_step(physics)
 
     def get_observation(self, physics: Any) -> collections.OrderedDict[str, Array]:
         """Returns the observations by name."""
-        found = self.cradle_task.observation(physics.data)
+        found = self.rules.observation(physics.data)
         return collections.OrderedDict(found)
 
     def get_reward(self, physics: Any) -> float:
         """Returns the reward in [0, 1]."""
-        return float(np.clip(self.cradle_task.reward(physics.data), 0.0, 1.0))
+        return float(np.clip(self.rules.reward(physics.data), 0.0, 1.0))
 
 
 def environment(
-    name: str,
+    domain: str,
+    task: str,
     *,
-    pattern: str = "AAAAA",
-    contacts: Contacts = "impact",
     time_limit: float = TIME_LIMIT,
     random: Any = None,
     environment_kwargs: dict[str, Any] | None = None,
-    **settings: Setting,
+    **options: Any,
 ) -> Any:
     """Returns the dm_control environment of one task.
 
     Args:
-        name: One of `TASKS`.
-        pattern: Balls of the row, see `cradle_model`.
-        contacts: Whose contacts the balls have.
+        domain: Domain of the task.
+        task: Name of the task, see `GAMES`.
         time_limit: Length of an episode [s].
         random: Seed or `numpy.random.RandomState`.
         environment_kwargs: Arguments of `dm_control.rl.control.Environment`.
-        **settings: Settings of the impact law.
+        **options: Options of the model and settings of the impact law, see
+            `cradle_model` and `bank_model`.
     """
-    model = cradle_model(
-        pattern, motors=TASKS[name].motors, contacts=contacts, **settings
-    )
+    model, rules = GAMES[domain, task](**options)
     physics = Physics.from_model(core.MjModel(model))
     # what dm_control calls legacy steps splits a step in two, with forces of one
     # position and contacts of the next in between
-    options = {"legacy_step": False, **(environment_kwargs or {})}
+    kwargs = {"legacy_step": False, **(environment_kwargs or {})}
     return control.Environment(
         physics,
-        Task(name, CradleState(model), random=random),
+        Task(rules, random=random),
         time_limit=time_limit,
         control_timestep=CONTROL_TIMESTEP,
-        **options,
+        **kwargs,
     )
 
 
-@SUITE.add("benchmarking")  # type: ignore[untyped-decorator]
-def strike(**options: Any) -> Any:
-    """Returns the task `strike`; options are those of `environment`."""
-    return environment("strike", **options)
+def _factory(domain: str, task: str) -> Callable[..., Any]:
+    """Returns the function that makes the environment of a task."""
+
+    def make(**options: Any) -> Any:
+        return environment(domain, task, **options)
+
+    # the name under which `SUITE` has it
+    make.__name__ = task
+    return make
 
 
-@SUITE.add("benchmarking")  # type: ignore[untyped-decorator]
-def damp(**options: Any) -> Any:
-    """Returns the task `damp`; options are those of `environment`."""
-    return environment("damp", **options)
+def _domains() -> dict[str, Any]:
+    """Returns what the suite takes for the module of each domain."""
+    found: dict[str, Any] = {}
+    for domain, task in GAMES:
+        empty = SimpleNamespace(SUITE=containers.TaggedTasks())
+        suite = found.setdefault(domain, empty).SUITE
+        suite.add("benchmarking")(_factory(domain, task))
+    return found
 
 
-@SUITE.add("benchmarking")  # type: ignore[untyped-decorator]
-def select(**options: Any) -> Any:
-    """Returns the task `select`; options are those of `environment`."""
-    return environment("select", **options)
+DOMAINS: Mapping[str, Any] = MappingProxyType(_domains())
+"""Our domains by name; each has `SUITE`, as the modules of dm_control's suite."""

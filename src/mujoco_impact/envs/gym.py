@@ -1,4 +1,4 @@
-"""The cradle tasks as gymnasium environments. Importing this module needs gymnasium."""
+"""Our tasks as gymnasium environments. Importing this module needs gymnasium."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
-from mujoco_impact.envs.cradle import Contacts, CradleState, cradle_model
-from mujoco_impact.envs.tasks import CONTROL_TIMESTEP, TASKS
+from mujoco_impact.envs.games import GAMES
+from mujoco_impact.envs.tasks import CONTROL_TIMESTEP
 from mujoco_impact.errors import ConfigError, SimulationError
 from mujoco_impact.extras import require
-from mujoco_impact.settings import Setting
 from mujoco_impact.trajectory import Array
 
 gymnasium: Any = require("gymnasium")
@@ -20,8 +19,8 @@ RENDER_SIZE = (480, 640)
 """Height and width of a rendered frame [pixels]."""
 
 
-class CradleEnv(gymnasium.Env):  # type: ignore[misc]
-    """A cradle task with a flat observation and actions in [-1, 1].
+class ImpactEnv(gymnasium.Env):  # type: ignore[misc]
+    """A task with a flat observation and actions in [-1, 1].
 
     The observation is what the dm_control environment of the task observes, one after
     another; `observation_names` says which numbers are which.
@@ -34,37 +33,35 @@ class CradleEnv(gymnasium.Env):  # type: ignore[misc]
 
     def __init__(
         self,
+        domain: str,
         task: str,
         *,
-        pattern: str = "AAAAA",
-        contacts: Contacts = "impact",
         render_mode: str | None = None,
-        **settings: Setting,
+        **options: Any,
     ) -> None:
         """Makes the environment of one task.
 
         Args:
-            task: One of `mujoco_impact.envs.TASKS`.
-            pattern: Balls of the row, see `cradle_model`.
-            contacts: Whose contacts the balls have.
+            domain: Domain of the task.
+            task: Name of the task; domain and task are in `mujoco_impact.envs.GAMES`.
             render_mode: None or "rgb_array".
-            **settings: Settings of the impact law.
+            **options: Options of the model and settings of the impact law, see
+                `cradle_model` and `bank_model`.
 
         Raises:
             ConfigError: If an argument is not valid.
         """
-        if task not in TASKS:
-            raise ConfigError(f"there is no task {task!r} (available: {[*TASKS]})")
+        if (domain, task) not in GAMES:
+            names = [" ".join(game) for game in GAMES]
+            msg = f"there is no task {f'{domain} {task}'!r} (available: {names})"
+            raise ConfigError(msg)
         modes = self.metadata["render_modes"]
         if render_mode is not None and render_mode not in modes:
             msg = f"render_mode = {render_mode!r}: allowed are None and {modes}"
             raise ConfigError(msg)
         self.render_mode = render_mode
-        self.model = cradle_model(
-            pattern, motors=TASKS[task].motors, contacts=contacts, **settings
-        )
+        self.model, self._task = GAMES[domain, task](**options)
         self.data = mujoco.MjData(self.model)
-        self._task = TASKS[task](CradleState(self.model))
         self._steps = round(CONTROL_TIMESTEP / float(self.model.opt.timestep))
         self._renderer: mujoco.Renderer | None = None
         self.observation_space, self.observation_names = self._observations()
@@ -96,12 +93,12 @@ class CradleEnv(gymnasium.Env):  # type: ignore[misc]
         return self._observe(), self._task.reward(self.data), False, False, {}
 
     def render(self) -> Any:
-        """Returns a frame as seen by the camera `cradle`, or None without a mode."""
+        """Returns a frame as seen by the first camera, or None without a mode."""
         if self.render_mode is None:
             return None
         if self._renderer is None:
             self._renderer = mujoco.Renderer(self.model, *RENDER_SIZE)
-        self._renderer.update_scene(self.data, camera="cradle")
+        self._renderer.update_scene(self.data, camera=0)
         return self._renderer.render()
 
     def close(self) -> None:

@@ -12,8 +12,7 @@ from typing import Any
 
 import mujoco
 
-from mujoco_impact.envs import domain as cradle
-from mujoco_impact.envs.tasks import DOMAIN
+from mujoco_impact.envs.domain import DOMAINS
 from mujoco_impact.errors import SceneError
 from mujoco_impact.extras import require
 from mujoco_impact.scene import attach
@@ -43,17 +42,17 @@ def load(
     """Returns an environment of the suite whose impacts the plugin computes.
 
     Args:
-        domain: "cradle", or any domain of `dm_control.suite`.
+        domain: "cradle", "billiards", or any domain of `dm_control.suite`.
         task: Name of the task in that domain.
         task_kwargs: Arguments of the task, as for `dm_control.suite.load`.
         environment_kwargs: Arguments of `dm_control.rl.control.Environment`;
             `legacy_step` is False unless set.
         visualize_reward: Whether colours show the reward.
-        geoms: Geoms to own, see `mujoco_impact.attach`; not for "cradle".
-        gap: See `mujoco_impact.attach`; not for "cradle".
-        depth: See `mujoco_impact.attach`; not for "cradle".
+        geoms: Geoms to own, see `mujoco_impact.attach`; not for our domains.
+        gap: See `mujoco_impact.attach`; not for our domains.
+        depth: See `mujoco_impact.attach`; not for our domains.
         sensor: Whether a stock model gets the plugin's sensor, `impact`, as the last
-            one; some domains observe all sensors there are. "cradle" always has it.
+            one; some domains observe all sensors there are. Ours always have it.
         **settings: Settings of the impact law.
 
     Raises:
@@ -66,12 +65,12 @@ def load(
         "environment_kwargs": {"legacy_step": False, **(environment_kwargs or {})},
     }
     options = {"geoms": geoms, "gap": gap, "depth": depth}
-    if domain == DOMAIN:
-        _check_choice("task", task, list(cradle.SUITE))
-        _refuse(options)
-        environment = cradle.SUITE[task](**arguments, **settings)
+    if domain in DOMAINS:
+        _check_choice("task", task, list(DOMAINS[domain].SUITE))
+        _refuse(domain, options)
+        environment = DOMAINS[domain].SUITE[task](**arguments, **settings)
     else:
-        _check_choice("domain", domain, [DOMAIN, *dm_suite.TASKS_BY_DOMAIN])
+        _check_choice("domain", domain, [*DOMAINS, *dm_suite.TASKS_BY_DOMAIN])
         _check_choice("task", task, dm_suite.TASKS_BY_DOMAIN[domain])
         with _models_with_impacts({**options, **settings}, sensor=sensor) as stock:
             environment = dm_suite.load(domain, task, task_kwargs=arguments)
@@ -82,13 +81,12 @@ def load(
 
 
 def register_suite() -> None:
-    """Adds the domain to `dm_control.suite`, so that `suite.load("cradle", ...)` works.
+    """Adds our domains to `dm_control.suite`, for `suite.load("cradle", ...)`.
 
     dm_control has no public way to do this: its private table of domains and the
     constants made of it are set.
     """
-    # a domain is a module with SUITE
-    dm_suite._DOMAINS[DOMAIN] = cradle
+    dm_suite._DOMAINS.update(DOMAINS)
     dm_suite.ALL_TASKS = dm_suite._get_tasks(tag=None)
     for name, tag in (
         ("BENCHMARKING", "benchmarking"),
@@ -173,11 +171,11 @@ def _check_choice(label: str, name: str, available: Iterable[str]) -> None:
         raise SceneError(msg)
 
 
-def _refuse(options: Mapping[str, Any]) -> None:
-    """Raises SceneError for options that the cradle does not have."""
+def _refuse(domain: str, options: Mapping[str, Any]) -> None:
+    """Raises SceneError for options that our domains do not have."""
     for name, value in options.items():
         if value is not None:
-            raise SceneError(f"the domain {DOMAIN!r} has no option {name!r}")
+            raise SceneError(f"the domain {domain!r} has no option {name!r}")
 
 
 _MARGINS = ("geom_margin", "geom_gap", "pair_margin", "pair_gap")

@@ -1,4 +1,4 @@
-"""The tasks of the cradle, whatever library plays them.
+"""What a task is, and the tasks of the cradle, whatever library plays them.
 
 They know neither dm_control nor gymnasium: `domain` and `gym` make environments of
 them.
@@ -51,8 +51,32 @@ class Bounds:
     high: float
 
 
-class CradleTask(ABC):
-    """A task of a row of pendulums; one object plays one episode after another.
+class Task(ABC):
+    """What a library needs of a task; one object plays one episode after another."""
+
+    @abstractmethod
+    def begin(self, data: Any, random: Random) -> None:
+        """Sets the initial state of an episode; `data` has been reset."""
+
+    @abstractmethod
+    def after_step(self, data: Any) -> None:
+        """Follows the motion; called after every control step."""
+
+    @abstractmethod
+    def observation(self, data: Any) -> dict[str, Array]:
+        """Returns the observations by name, as copies."""
+
+    @abstractmethod
+    def bounds(self) -> dict[str, Bounds]:
+        """Returns size and bounds of each observation, in their order."""
+
+    @abstractmethod
+    def reward(self, data: Any) -> float:
+        """Returns the reward of the present state, in [0, 1]."""
+
+
+class CradleTask(Task):
+    """A task of a row of pendulums.
 
     The *reach* of a ball is how high it swung on the far side (towards the last
     ball) the last time, or is about to swing: its energy as a height [m], held while
@@ -114,10 +138,6 @@ class CradleTask(ABC):
     @abstractmethod
     def own_bounds(self) -> dict[str, Bounds]:
         """Returns size and bounds of `own_observation`."""
-
-    @abstractmethod
-    def reward(self, data: Any) -> float:
-        """Returns the reward of the present state, in [0, 1]."""
 
     def first_lifted(self, balls: int, angle: float) -> Array:
         """Returns angles [rad] with the first `balls` lifted and the others hanging."""

@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 
 from mujoco_impact import envs
-from mujoco_impact.envs.tasks import CONTROL_TIMESTEP
+from mujoco_impact.envs.tasks import CONTROL_TIMESTEP, DOMAIN, TASKS
 from mujoco_impact.errors import ImpactWarning
 from mujoco_impact.extras import require
 from mujoco_impact.trajectory import Array
@@ -67,16 +67,16 @@ Player = Callable[[], tuple[float, float]]
 def step_costs(
     blocks: int, progress: Callable[[float], None] | None = None
 ) -> list[StepCost]:
-    """Measures every task of ours, under both libraries, and `STOCK`.
+    """Measures the tasks of the cradle, under both libraries, and `STOCK`.
 
     Args:
         blocks: Blocks of each environment.
         progress: Called with the finished fraction.
     """
     pairs: list[tuple[str, str, Player, Player]] = []
-    for domain, task in envs.ALL_TASKS:
-        pairs.append((f"dm_control {domain} {task}", "all", *_cradles(task)))
-        pairs.append((f"gymnasium {domain} {task}", "all", *_gymnasium(task)))
+    for task in TASKS:
+        pairs.append((f"dm_control {DOMAIN} {task}", "all", *_cradles(task)))
+        pairs.append((f"gymnasium {DOMAIN} {task}", "all", *_gymnasium(task)))
     for domain, task, options in STOCK:
         owned = ", ".join(options.get("geoms", ["all"]))
         name = f"dm_control {domain} {task}"
@@ -156,7 +156,7 @@ def _dm_player(environment: Any) -> Player:
 def _gymnasium(task: str) -> tuple[Player, Player]:
     """Returns the gymnasium environment of a task with ours and MuJoCo's contacts."""
     gymnasium = require("gymnasium")
-    name = envs.environment_id(task)
+    name = envs.environment_id(DOMAIN, task)
     players = []
     for contacts in ("impact", "mujoco"):
         environment = gymnasium.make(name, contacts=contacts).unwrapped

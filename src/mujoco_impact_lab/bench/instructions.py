@@ -8,15 +8,12 @@ this module.
 from __future__ import annotations
 
 import json
-import re
-import shutil
-import subprocess
 import sys
-import tempfile
 from pathlib import Path
 from typing import TypedDict
 
-from mujoco_impact.errors import ImpactError
+from mujoco_impact_lab.bench.callgrind import count_in
+from mujoco_impact_lab.bench.step_instructions import count_steps, workloads
 
 BALLS = (3, 5, 10, 50, 200)
 
@@ -28,10 +25,6 @@ GAP = 1e-4
 
 COUNTED = "MeasuredImpact"
 """The function of the program that is counted, see plugin/bench/law_workload.cc."""
-
-
-class InstructionsError(ImpactError):
-    """Valgrind is missing or the workload failed."""
 
 
 class Count(TypedDict):
@@ -65,7 +58,7 @@ def count_instructions(program: Path, *, balls: int, gap: float = 0.0) -> Count:
     """
     repeats = REPEATS.get(balls, 1)
     arguments = map(str, (balls, repeats, gap))
-    collected, steps = _count(program, f"{COUNTED}*", *arguments)
+    collected, steps = count_in(program, f"{COUNTED}*", *arguments)
     instructions = collected // repeats
     each = instructions / (steps * (balls - 1))
     return Count(
@@ -109,8 +102,10 @@ def count_friction(program: Path, scene: str) -> FrictionCount:
     Raises:
         InstructionsError: If valgrind is missing or the program failed.
     """
-    without, _ = _count(program, "*SolveImpact(*", scene, "0")
-    instructions, steps = _count(program, "*SolveImpact(*", scene, str(FRICTION[scene]))
+    without, _ = count_in(program, "*SolveImpact(*", scene, "0")
+    instructions, steps = count_in(
+        program, "*SolveImpact(*", scene, str(FRICTION[scene])
+    )
     return FrictionCount(
         scene=scene,
         steps=steps,
@@ -120,49 +115,22 @@ def count_friction(program: Path, scene: str) -> FrictionCount:
     )
 
 
-def _count(program: Path, function: str, *arguments: str) -> tuple[int, int]:
-    """Returns the instructions in a function of a program, and the steps it prints."""
-    valgrind = shutil.which("valgrind")
-    if valgrind is None:
-        msg = "instruction counts need valgrind: install it (apt install valgrind)"
-        raise InstructionsError(msg)
-    with tempfile.TemporaryDirectory() as folder:
-        command = [
-            valgrind,
-            "--tool=callgrind",
-            f"--toggle-collect={function}",
-            f"--callgrind-out-file={folder}/callgrind.out",
-            str(program),
-            *arguments,
-        ]
-        ran = subprocess.run(command, capture_output=True, text=True, check=False)
-    if ran.returncode:
-        msg = f"{program.name} failed under valgrind: {ran.stderr.strip()[-300:]}"
-        raise InstructionsError(msg)
-    instructions = _number(r"Collected\s*:\s*(\d+)", ran.stderr)
-    return instructions, _number(r"steps (\d+)", ran.stdout)
-
-
-def _number(pattern: str, text: str) -> int:
-    """Returns the number that a pattern finds in a text."""
-    found = re.search(pattern, text)
-    if found is None:
-        msg = f"no match of {pattern!r} in the output {text.strip()[-300:]!r}"
-        raise InstructionsError(msg)
-    return int(found.group(1))
-
-
-def write_counts(program: Path, friction_program: Path, file: Path) -> None:
+def write_counts(
+    program: Path, friction_program: Path, step_program: Path, file: Path
+) -> None:
     """Counts every workload and writes the JSON file."""
-    counts = list[Count]()
-    for gap in (0.0, GAP):
-        for balls in BALLS:
-            count = count_instructions(program, balls=balls, gap=gap)
-            sys.stdout.write(f"{json.dumps(count)}\n")
-            counts.append(count)
-    friction = [count_friction(friction_program, scene) for scene in FRICTION]
+    rows = [(balls, gap) for gap in (0.0, GAP) for balls in BALLS]
+    counts = {
+        "counts": (count_instructions(program, balls=n, gap=gap) for n, gap in rows),
+        "friction": (count_friction(friction_program, scene) for scene in FRICTION),
+        "steps": (count_steps(step_program, workload) for workload in workloads()),
+    }
+    parts = list[str]()
+    for name, each in counts.items():
+        lines = list[str]()
+        for count in each:
+            lines.append(json.dumps(count))
+            sys.stdout.write(f"{lines[-1]}\n")
+        parts.append(f'"{name}": [\n  ' + ",\n  ".join(lines) + "\n]")
     file.parent.mkdir(parents=True, exist_ok=True)
-    lines = ",\n  ".join(json.dumps(count) for count in counts)
-    more = ",\n  ".join(json.dumps(count) for count in friction)
-    text = f'{{"counts": [\n  {lines}\n],\n"friction": [\n  {more}\n]}}\n'
-    file.write_text(text, encoding="utf-8")
+    file.write_text("{" + ",\n".join(parts) + "}\n", encoding="utf-8")

@@ -29,7 +29,12 @@ def library_obstacle() -> str:
 
 def load_library() -> ctypes.CDLL:
     """Returns the library; it must be there, see `library_obstacle`."""
-    return _load(os.environ[LIBRARY_VARIABLE])
+    return _load(str(library_path()))
+
+
+def library_path() -> Path:
+    """Returns where it is; it must be there, see `library_obstacle`."""
+    return Path(os.environ[LIBRARY_VARIABLE])
 
 
 @cache

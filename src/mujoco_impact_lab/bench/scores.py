@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from mujoco_impact.envs import environment_id
-from mujoco_impact.envs.tasks import TASKS
+from mujoco_impact.envs.tasks import DOMAIN, TASKS
 from mujoco_impact.extras import require
 from mujoco_impact.trajectory import Array
 from mujoco_impact_lab.bench.policies import POLICIES
@@ -26,7 +26,7 @@ def score(task: str, policy: Policy, *, episodes: int = EPISODES) -> Array:
         policy: "random" for uniform actions, "scripted" for `POLICIES`.
         episodes: How many, with the seeds 0, 1, ...
     """
-    env: Any = require("gymnasium").make(environment_id(task))
+    env: Any = require("gymnasium").make(environment_id(DOMAIN, task))
     found = np.array([_episode(env, task, policy, seed) for seed in range(episodes)])
     env.close()
     return found

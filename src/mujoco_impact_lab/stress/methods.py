@@ -8,7 +8,8 @@ from typing import Any
 import mujoco
 
 from mujoco_impact.baselines import damper
-from mujoco_impact.scene import DEPTH, attach
+from mujoco_impact.depth import DEPTH
+from mujoco_impact.scene import attach
 from mujoco_impact_lab.stress.case import Case
 from mujoco_impact_lab.stress.layouts import Balls
 
