@@ -368,7 +368,7 @@ ImpactReport Integrator::Run() {
   double h = first_step;
   ImpactReport report{0, true};
   int turns = 0;
-  while (!IsOver(problem_, scale_, lanes_, t_) && !IsAtRest(problem_, lanes_)) {
+  while (!IsOver(problem_, scale_, lanes_, t_)) {
     if (work_ >= problem_.work) {
       report.converged = false;
       break;
@@ -413,7 +413,6 @@ ImpactReport Integrator::Run() {
     }
     Accept(h);
     if (!lossless_) UpdatePhases();
-    if (IsWedged(problem_, scale_, lanes_, h)) break;
     MoveWindow();
     h *= std::min(growth, growth_of_friction);
     ++report.steps;

@@ -4,8 +4,7 @@
 //   ΔT = −cᵀP + vᵀP_t + ½ (P, P_t)ᵀ W (P, P_t) ≤ 0
 //
 // Friction loses energy by itself, so impulses are only ever made smaller, by the factor s* ≤ 1 at
-// which ΔT = 0; both by the same, which keeps |P_t| ≤ μ P. Where impulses cancel each other and no
-// factor does, contacts that still close are pushed more and those that part less.
+// which ΔT = 0; both by the same, which keeps |P_t| ≤ μ P.
 
 #ifndef MUJOCO_IMPACT_LAW_FRICTION_GUARD_H_
 #define MUJOCO_IMPACT_LAW_FRICTION_GUARD_H_
@@ -17,8 +16,8 @@ namespace mujoco_impact::law {
 // ΔT [J] of the impulses of the solution, whose closing speeds and slips are up to date.
 double KineticEnergyChange(const ImpactProblem& problem, const ImpactSolution& solution);
 
-// Takes the energy away that the impulses add, if any; `work` holds 2 × `size` numbers.
-void RemoveGain(const ImpactProblem& problem, ImpactSolution& solution, double* work);
+// Takes the energy away that the impulses add, if any.
+void RemoveGain(const ImpactProblem& problem, ImpactSolution& solution);
 
 }  // namespace mujoco_impact::law
 

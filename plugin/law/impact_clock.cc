@@ -21,9 +21,8 @@ double LongestFlight(const ImpactProblem& problem, const ImpactScale& scale, dou
 
 // The speed up to which a contact is left to rest if nothing presses it. With friction contacts of
 // e = 0 would otherwise wait for ever at speeds below the floor for one that closes much later.
-double RestSpeed(const ImpactProblem& problem, const ImpactScale& scale, int contact) {
-  const double floor = problem.friction ? kSpeedFloor * problem.tolerance * scale.speed : 0;
-  return problem.rest_speed ? std::max(floor, problem.rest_speed[contact]) : floor;
+double RestSpeed(const ImpactProblem& problem, const ImpactScale& scale) {
+  return problem.friction ? kSpeedFloor * problem.tolerance * scale.speed : 0;
 }
 
 // Whether a contact that shares a body with the one of lane i is compressed.
@@ -51,32 +50,6 @@ bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Lanes&
   return lanes.window().NextArrival() >= t + time_left;
 }
 
-bool MovesSlowly(const ImpactProblem& problem, const Lanes& lanes) {
-  const double e = problem.restitution;
-  for (int i = 0; i < lanes.size(); ++i) {
-    const int k = lanes.contact(i);
-    const double y = std::max(lanes.y[i], 0.0), c = std::abs(lanes.c[i]);
-    // the energy that a compressed contact gives back: e² 2/5 K y^2.5 = u²/(2 W)
-    const double u2 =
-        0.8 * problem.stiffness[k] * y * y * std::sqrt(y) * problem.delassus.diagonal[k];
-    const double rest = problem.rest_speed[k];
-    const bool moves = y > 0 ? c > rest || e * e * u2 > rest * rest : lanes.c[i] > rest;
-    if (moves) return false;
-  }
-  return true;
-}
-
-bool IsWedged(const ImpactProblem& problem, const ImpactScale& scale, const Lanes& lanes,
-              double h) {
-  const double still = kSpeedFloor * problem.tolerance * scale.speed;
-  if (!problem.friction || h < scale.time) return false;
-  for (int i = 0; i < lanes.size(); ++i) {
-    const double speed = lanes.y[i] > 0 ? std::abs(lanes.c[i]) : lanes.c[i];
-    if (speed > still) return false;
-  }
-  return AnyCompressed(lanes);
-}
-
 bool AnyCompressed(const Lanes& lanes) {
   return std::any_of(lanes.y, lanes.y + lanes.size(), [](double y) { return y > 0; });
 }
@@ -85,9 +58,10 @@ bool FlyToNextClosing(const ImpactProblem& problem, const ImpactScale& scale, La
                       double* t) {
   const double longest = LongestFlight(problem, scale, *t);
   double flight = std::min(longest, lanes.window().NextArrival() - *t);
+  const double rest = RestSpeed(problem, scale);
   int next = -1;
   for (int i = 0; i < lanes.size(); ++i) {
-    if (lanes.c[i] <= RestSpeed(problem, scale, lanes.contact(i))) continue;
+    if (lanes.c[i] <= rest) continue;
     if (-lanes.y[i] > flight * lanes.c[i]) continue;
     flight = -lanes.y[i] / lanes.c[i];
     next = i;
@@ -95,9 +69,6 @@ bool FlyToNextClosing(const ImpactProblem& problem, const ImpactScale& scale, La
   if (next < 0 && flight >= longest) return false;
   for (int i = 0; i < lanes.size(); ++i) lanes.y[i] += flight * lanes.c[i];
   if (next >= 0) lanes.y[next] = 0;
-  // compression of contacts left to rest would be energy from nowhere
-  const bool any_rests = problem.rest_speed || problem.friction;
-  for (int i = 0; any_rests && i < lanes.size(); ++i) lanes.y[i] = std::min(lanes.y[i], 0.0);
   *t += flight;
   return true;
 }

@@ -37,16 +37,6 @@ inline double SearchCost(const ImpactProblem& problem, const Lanes& lanes) {
 // Whether every contact has opened, or will not close in time, at time t.
 bool IsOver(const ImpactProblem& problem, const ImpactScale& scale, const Lanes& lanes, double t);
 
-// Whether no contact of the window moves, or would after expanding, faster than it may at rest.
-bool MovesSlowly(const ImpactProblem& problem, const Lanes& lanes);
-inline bool IsAtRest(const ImpactProblem& problem, const Lanes& lanes) {
-  return problem.rest_speed && MovesSlowly(problem, lanes);
-}
-
-// Whether friction holds all that is compressed, after a step h in which it could have parted: a
-// ball in a groove, wedged between its walls. The forces would go on for ever and move nothing.
-bool IsWedged(const ImpactProblem& problem, const ImpactScale& scale, const Lanes& lanes, double h);
-
 bool AnyCompressed(const Lanes& lanes);
 
 // Flies to the next closing, no contact being compressed; false if none comes in time. A contact

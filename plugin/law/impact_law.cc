@@ -117,7 +117,7 @@ ImpactReport SolveWithFriction(const ImpactProblem& problem, bool passive, Impac
     ImpactReport report = SolveIsolatedFriction(problem, solution);
     if (!report.converged) report.work += EndShort(problem, report.time, solution, workspace);
     SpeedsAfter(problem, *solution);
-    if (passive) RemoveGain(problem, *solution, workspace.numbers);
+    if (passive) RemoveGain(problem, *solution);
     return report;
   }
   ImpactReport report = IsViscous(problem) ? IntegrateViscous(problem, solution, workspace)
@@ -125,7 +125,7 @@ ImpactReport SolveWithFriction(const ImpactProblem& problem, bool passive, Impac
   KeepInCone(*problem.friction, problem.delassus.size, solution);
   if (!report.converged) report.work += EndShort(problem, report.time, solution, workspace);
   SpeedsAfter(problem, *solution);
-  if (passive) RemoveGain(problem, *solution, workspace.numbers);
+  if (passive) RemoveGain(problem, *solution);
   return report;
 }
 

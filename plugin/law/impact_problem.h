@@ -46,9 +46,6 @@ struct ImpactProblem {
   // [s] the longest flight that may belong to the same impact however long its contacts last
   double longest_flight = std::numeric_limits<double>::infinity();
   const CoulombFriction* friction = nullptr;  // null: none
-  // (size) [m/s] the impact is over, whatever it still stores, when no contact moves faster than
-  // this, and no contact that closes slower begins to press after a flight. Null: 0
-  const double* rest_speed = nullptr;
 };
 
 // Arrays of `size`, owned by the caller.

@@ -59,7 +59,6 @@ class SinglePath {
  private:
   Piece Try(double dP) const;
   double Error(const Piece& piece) const;
-  bool IsWedged(double more) const;
   double FractionToEnd(const Piece& piece) const;
   void Accept(const Piece& piece, bool ends);
   void AddTime(const Piece& piece, double after);
@@ -115,14 +114,6 @@ double SinglePath::Error(const Piece& piece) const {
   const Pair across = change - Dot(change, d) * d;
   const double turn = std::min(Dot(across, across) / (speed * speed), 4.0);
   return kTurns * turn * R * std::max(A_.a, A_.c) / allowed_;
-}
-
-// Whether what is stored cannot push the bodies apart, for friction holds them: the tip of an arm
-// that moves along one line, wedged against a wall. The impulse would grow without bound and move
-// nothing.
-bool SinglePath::IsWedged(double more) const {
-  constexpr double kMost = 20;  // over the impulse that stops the contact without friction
-  return expands_ && (sum_.impulse + more) * contact_.W > kMost * contact_.closing_speed;
 }
 
 // The part of a piece after which it changes between compression and expansion or is over; 1 if it
@@ -214,10 +205,6 @@ SingleFriction SinglePath::Run() {
       continue;
     }
     const double fraction = FractionToEnd(piece);
-    if (IsWedged(fraction * piece.dP)) {
-      over_ = true;
-      break;
-    }
     if (fraction < 1) piece = Try(fraction * piece.dP);
     Accept(piece, fraction < 1);
     dP = growth * piece.dP;

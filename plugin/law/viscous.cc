@@ -182,7 +182,7 @@ ImpactReport Integrator::Run() {
   const double first_step = 0.05 * scale_.time;
   double h = first_step;
   ImpactReport report{0, true};
-  while (!IsOver(problem_, scale_, lanes_, t_) && !IsAtRest(problem_, lanes_)) {
+  while (!IsOver(problem_, scale_, lanes_, t_)) {
     if (work_ >= problem_.work) {
       report.converged = false;
       break;
@@ -204,7 +204,6 @@ ImpactReport Integrator::Run() {
     if (error <= 1 && (of_friction <= 1 || h <= kShortest * scale_.time)) {
       if (friction_) friction_->Finish(rate_, y_new_, c_new_);
       Accept(h);
-      if (IsWedged(problem_, scale_, lanes_, h)) break;
       MoveWindow();
       ++report.steps;
     }

@@ -83,33 +83,6 @@ TEST(Coulomb, FrictionStaysInItsConeAndLosesEnergy) {
   }
 }
 
-// A pile of `floors` boxes on the ground, each on its four corners, that falls with 1 m/s.
-FreeIsland Pile(int floors) {
-  std::vector<FreeBody> boxes;
-  std::vector<Touch> touches;
-  for (int i = 0; i < floors; ++i) {
-    boxes.push_back({1, {0.001, 0.001, 0.001}, {0, 0, 0.1 * i + 0.05}, {0.3, 0.1, -1, 0, 0, 1}});
-    for (const double x : {-0.05, 0.05}) {
-      for (const double y : {-0.05, 0.05}) {
-        touches.push_back({i - 1, i, {x, y, 0.1 * i}, {0, 0, 1}, {1, 0, 0}, 0.4});
-      }
-    }
-  }
-  return FreeIsland(boxes, touches);
-}
-
-TEST(Coulomb, APileThatIsLeftToRestEndsSoonerAndGainsNothing) {
-  FreeIsland pile = Pile(5);
-  const std::vector<double> speed(20, 0.5);
-  const auto rattles = pile.Solve({.restitution = 0.3});
-  const auto rests = pile.Solve({.restitution = 0.3, .rest_speed = speed.data()});
-  ASSERT_TRUE(rests.report.converged);
-  EXPECT_LT(2 * rests.report.steps, rattles.report.steps);
-  EXPECT_LE(pile.EnergyAfter(rests), pile.EnergyBefore() * (1 + 1e-13));
-  // whatever closes, closes slower than that
-  for (const double c : rests.after) EXPECT_LT(c, 0.5);
-}
-
 // A spinning ball on a long row: its contacts are integrated through a window, the row is a wave.
 TEST(Coulomb, AWaveThatSpinsIsTheSameInBothForms) {
   constexpr int kBalls = 30;

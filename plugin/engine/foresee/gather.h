@@ -36,7 +36,6 @@ struct Gathered {
   bool* anchored;
   mjtNum* lowest;  // gap that it has at least by the end of the step, if nothing strikes [m]
   bool* relevant;  // whether it may still close: it was struck, or waits for its turn
-  bool* idle;      // it closes by rounding alone, which is no impact; until something is struck
   bool* due;       // whether it closes in the rest of the step
   bool* near;      // whether it may take part in the impact of a neighbour
   mjtNum* tau;     // when, from the time of the outlook, if due [s]
@@ -48,7 +47,7 @@ constexpr int kMorePoints = 8;
 
 // Bytes that a contact takes here, with what aligns it.
 constexpr size_t kGatheredBytes = 2 * sizeof(void*) + sizeof(mjContact) + sizeof(ContactAnchor) +
-                                  2 * sizeof(mjtNum) + 8 * sizeof(bool);
+                                  2 * sizeof(mjtNum) + 7 * sizeof(bool);
 
 Gathered GatherContacts(const mjModel* m, mjData* d, const Ownership& ownership, State& state,
                         const mjtNum* kick, Scratch& scratch);

@@ -10,7 +10,7 @@ namespace mujoco_impact::engine {
 bool StepFits(const mjModel* m, const mjData* d, const Scratch& scratch) {
   // at most this many vectors of the length of each, MuJoCo's own in the functions we call
   // included, and a factor of the inertia
-  constexpr size_t kVectors = 72;
+  constexpr size_t kVectors = 84;
   const size_t numbers = m->nq + m->nv + m->nbody + m->ntree + m->nu + m->nmocap;
   // the points of other shapes are found again, and more of them
   size_t points = 0;

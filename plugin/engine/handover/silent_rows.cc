@@ -10,7 +10,23 @@ namespace {
 // less a depth is rounded.
 constexpr mjtNum kApart = 1e15;
 
+void SilenceRow(mjData* d, int row) {
+  // a_ref = −b v − k d (pos − margin)
+  d->efc_pos[row] = d->efc_margin[row] + kApart;
+  mjtNum* KBI = d->efc_KBIP + 4 * row;
+  KBI[0] = 1;
+  KBI[1] = 0;
+  KBI[2] = 1;
+}
+
 }  // namespace
+
+void SilenceLimit(mjData* d, bool tendon, int id) {
+  const int type = tendon ? mjCNSTR_LIMIT_TENDON : mjCNSTR_LIMIT_JOINT;
+  for (int i = 0; i < d->nefc; ++i) {
+    if (d->efc_type[i] == type && d->efc_id[i] == id) SilenceRow(d, i);
+  }
+}
 
 // All rows of a pyramid push the bodies apart. Of an elliptic cone only the first does: the others
 // are friction, to which a reference is a demand. The distance does it, for the integrator
@@ -19,12 +35,7 @@ void Silence(mjData* d, int contact) {
   const int begin = d->contact[contact].efc_address, type = d->efc_type[begin];
   const int end = type == mjCNSTR_CONTACT_ELLIPTIC ? begin + 1 : static_cast<int>(d->nefc);
   for (int i = begin; i < end && d->efc_type[i] == type && d->efc_id[i] == contact; ++i) {
-    // a_ref = −b v − k d (pos − margin)
-    d->efc_pos[i] = d->efc_margin[i] + kApart;
-    mjtNum* KBI = d->efc_KBIP + 4 * i;
-    KBI[0] = 1;
-    KBI[1] = 0;
-    KBI[2] = 1;
+    SilenceRow(d, i);
   }
 }
 

@@ -11,6 +11,9 @@
 
 namespace mujoco_impact::engine {
 
+// Makes the solver see the limits of a joint or a tendon as not reached.
+void SilenceLimit(mjData* d, bool tendon, int id);
+
 // Makes the solver see the contact with this index as open, however fast it closes.
 void Silence(mjData* d, int contact);
 

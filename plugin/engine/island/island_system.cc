@@ -84,7 +84,7 @@ size_t IslandBytes(const mjModel* m, const Mobility& mobility, const Gathered& c
   const size_t tangents = friction ? TangentBytes(m, mobility, count, dofs, size) : 0;
   return kAlignment + laws + tangents + DelassusBytes(m, mobility, count, size) +
          count * (sizeof(ContactRow) + sizeof(Impact) + kPerContact) +
-         (2 * dofs + 2 * m->nv) * sizeof(mjtNum);
+         (2 * dofs + 8 * m->nv) * sizeof(mjtNum);
 }
 
 IslandSystem BuildIsland(const mjModel* m, const mjData* d, const Mobility& mobility,

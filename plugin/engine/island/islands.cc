@@ -17,12 +17,14 @@ int MovingTree(const ContactTrees& trees) {
 
 }  // namespace
 
-Islands FindIslands(const mjModel* m, const Mobility& mobility, const mjContact* const* contacts,
-                    const bool* due, const bool* near, int count, Scratch& scratch) {
+Islands FindIslands(const mjModel* m, const Mobility& mobility, const Stops& stops,
+                    const mjContact* const* contacts, const bool* due, const bool* near, int count,
+                    Scratch& scratch) {
   TreeSets sets(m->ntree, scratch);
   if (mobility.ties() > 0) {
     for (int tree = 0; tree < m->ntree; ++tree) sets.Join(tree, mobility.Group(tree));
   }
+  stops.Join(sets);
   for (int i = 0; i < count; ++i) {
     if (!near[i]) continue;
     const ContactTrees trees = TreesOf(m, *contacts[i]);

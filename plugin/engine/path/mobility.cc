@@ -4,6 +4,7 @@
 
 #include "engine/common/tree_sets.h"
 #include "engine/path/motion.h"
+#include "engine/path/stops.h"
 #include "engine/scene/softness.h"
 
 namespace mujoco_impact::engine {
@@ -40,14 +41,11 @@ Mobility::Mobility(const mjModel* m, mjData* d, Scratch& scratch) : m_(m), d_(d)
   }
   ties_ = d->ne;
   const int nv = m->nv;
-  rows_ = scratch.Take<mjtNum>(ties_ * nv);
-  answer_ = scratch.Take<mjtNum>(ties_ * nv);
-  factor_ = scratch.Take<mjtNum>(ties_ * ties_);
+  TakeRows(scratch);
   reference_ = scratch.Take<mjtNum>(ties_);
-  work_ = scratch.Take<mjtNum>(2 * ties_);
   for (int i = 0; i < ties_; ++i) {
-    CopyRow(m, d, i, rows_ + i * nv);
-    SolveInertia(m, d, answer_ + i * nv, rows_ + i * nv);
+    CopyRow(m, d, i, row(i));
+    SolveInertia(m, d, answer(i), row(i));
   }
   // A + R
   mju_mulMatMatT(factor_, rows_, answer_, ties_, nv, ties_);
@@ -58,16 +56,53 @@ Mobility::Mobility(const mjModel* m, mjData* d, Scratch& scratch) : m_(m), d_(d)
   FindGroups(scratch);
 }
 
+size_t Mobility::StopBytes(const mjModel* m, const Mobility& others, const Stops& stops) {
+  return stops.held() == 0 ? 0 : TieBytes(m, others.ties_ + stops.held());
+}
+
+Mobility::Mobility(const Mobility& others, const Stops& stops, Scratch& scratch)
+    : Mobility(others) {
+  constexpr mjtNum kSoft = 1e-12;  // of A: two stops may hold the same
+  if (stops.held() == 0) return;
+  stops_ = stops.held();
+  ties_ += stops_;
+  TakeRows(scratch);
+  for (int i = 0; i < others.ties_; ++i) {
+    mju_copy(row(i), others.row(i), m_->nv);
+    SolveInertia(m_, d_, answer(i), row(i));
+  }
+  int next = others.ties_;
+  stops.ForHeld([&](const mjtNum* stop) {
+    mju_copy(row(next), stop, m_->nv);
+    mju_copy(answer(next), stop, m_->nv);
+    ForTrees(next,
+             [&](int tree, int begin) { SolveTreeInertia(m_, d_, tree, answer(next) + begin); });
+    ++next;
+  });
+  mju_mulMatMatT(factor_, rows_, answer_, ties_, m_->nv, ties_);
+  for (int i = 0; i < ties_; ++i) {
+    mjtNum& own = factor_[i * (ties_ + 1)];
+    own += i < others.ties_ ? d_->efc_R[i] : kSoft * own;
+  }
+  mju_cholFactor(factor_, ties_, mjMINVAL);
+  FindGroups(scratch);
+}
+
+void Mobility::TakeRows(Scratch& scratch) {
+  rows_ = scratch.Take<mjtNum>(ties_ * m_->nv);
+  answer_ = scratch.Take<mjtNum>(ties_ * m_->nv);
+  factor_ = scratch.Take<mjtNum>(ties_ * ties_);
+  work_ = scratch.Take<mjtNum>(2 * ties_);
+}
+
 void Mobility::FindGroups(Scratch& scratch) {
   TreeSets sets(m_->ntree, scratch);
   for (int i = 0; i < ties_; ++i) {
     int first = -1;
-    for (int dof = 0; dof < m_->nv; ++dof) {
-      if (rows_[i * m_->nv + dof] == 0) continue;
-      const int tree = m_->dof_treeid[dof];
+    ForTrees(i, [&](int tree, int) {
       if (first >= 0) sets.Join(first, tree);
       first = tree;
-    }
+    });
   }
   group_ = scratch.Take<int>(m_->ntree);
   for (int tree = 0; tree < m_->ntree; ++tree) group_[tree] = sets.Root(tree);
@@ -78,19 +113,43 @@ void Mobility::Solve(mjtNum* x, const mjtNum* y) const {
   if (ties_ > 0) Tie(x);
 }
 
-void Mobility::Tie(mjtNum* x) const {
-  mjtNum *rate = work_, *force = work_ + ties_;
-  // x −= M⁻¹Jᵀ(A + R)⁻¹J x
+void Mobility::Tie(mjtNum* x, mjtNum* force) const {
+  mjtNum *rate = work_, *pull = force ? force : work_ + ties_;
+  // −(A + R)⁻¹J x
   mju_mulMatVec(rate, rows_, x, ties_, m_->nv);
-  SolveTies(force, rate);
-  for (int i = 0; i < ties_; ++i) mju_addToScl(x, answer_ + i * m_->nv, -force[i], m_->nv);
+  SolveTies(pull, rate);
+  mju_scl(pull, pull, -1, ties_);
+  AddForces(pull, x);
+}
+
+void Mobility::Halt(mjtNum* x) const {
+  if (stops_ == 0) return;
+  mjtNum *rate = work_, *pull = work_ + ties_;
+  mju_mulMatVec(rate, rows_, x, ties_, m_->nv);
+  mju_zero(rate, ties_ - stops_);
+  SolveTies(pull, rate);
+  mju_scl(pull, pull, -1, ties_);
+  AddForces(pull, x);
+}
+
+void Mobility::AddStops(const mjtNum* impulse, mjtNum* sum, Scratch& scratch) const {
+  if (stops_ == 0) return;
+  mjtNum *x = scratch.Take<mjtNum>(m_->nv), *pull = scratch.Take<mjtNum>(ties_);
+  SolveInertia(m_, d_, x, impulse);
+  Tie(x, pull);
+  for (int i = ties_ - stops_; i < ties_; ++i) mju_addToScl(sum, row(i), pull[i], m_->nv);
+}
+
+// x += M⁻¹ Jᵀ f
+void Mobility::AddForces(const mjtNum* force, mjtNum* x) const {
+  for (int i = 0; i < ties_; ++i) mju_addToScl(x, answer(i), force[i], m_->nv);
 }
 
 void Mobility::AddReference(mjtNum* a) const {
   if (ties_ == 0) return;
   mjtNum* force = work_;
   SolveTies(force, reference_);
-  for (int i = 0; i < ties_; ++i) mju_addToScl(a, answer_ + i * m_->nv, force[i], m_->nv);
+  AddForces(force, a);
 }
 
 void Mobility::AddTieRates(int tree, const mjtNum* x, mjtNum* result) const {

@@ -105,6 +105,14 @@ void SolveInertia(const mjModel* m, mjData* d, mjtNum* x, const mjtNum* y) {
   mj_solveM(m, d, x, y, 1);
 }
 
+void SolveTouchedTrees(const mjModel* m, const mjData* d, mjtNum* x, const mjtNum* y) {
+  mju_copy(x, y, m->nv);
+  for (int tree = 0; tree < m->ntree; ++tree) {
+    mjtNum* part = x + m->tree_dofadr[tree];
+    if (!mju_isZero(part, m->tree_dofnum[tree])) SolveTreeInertia(m, d, tree, part);
+  }
+}
+
 void SolveTreeInertia(const mjModel* m, const mjData* d, int tree, mjtNum* x) {
   const int begin = m->tree_dofadr[tree];
   const int end = begin + m->tree_dofnum[tree];

@@ -56,6 +56,10 @@ void SolveDamped(const mjModel* m, const mjData* d, mjtNum time, mjtNum* x, Scra
 // Whether MuJoCo has put the tree to sleep: no force moves it in this step.
 inline bool IsAsleep(const mjData* d, int tree) { return d->tree_asleep[tree] >= 0; }
 
+// x = M⁻¹ y for y that is zero on most trees, by the inertia of the bodies where they are (nv
+// each).
+void SolveTouchedTrees(const mjModel* m, const mjData* d, mjtNum* x, const mjtNum* y);
+
 // x ← M⁻¹ x for the degrees of freedom of one kinematic tree; x is the tree's segment.
 void SolveTreeInertia(const mjModel* m, const mjData* d, int tree, mjtNum* x);
 

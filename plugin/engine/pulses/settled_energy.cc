@@ -8,6 +8,7 @@
 #include "engine/common/tree_sets.h"
 #include "engine/deliver/deliver.h"
 #include "engine/path/point.h"
+#include "engine/pulses/held.h"
 #include "engine/pulses/line_of_action.h"
 
 namespace mujoco_impact::engine {
@@ -147,16 +148,20 @@ void FollowLines(const mjModel* m, const mjData* d, const Mobility& mobility, St
   EndOverfull(m, d, mobility, sets, state, scratch);
 }
 
-void EndOverfullByImpacts(const mjModel* m, const mjData* d, const Mobility& mobility, State& state,
+void EndOverfullByImpacts(const mjModel* m, mjData* d, const Mobility& ties, State& state,
                           const Delivery& delivery, Scratch& scratch) {
+  const Mobility mobility = HeldAfter(m, d, ties, state, scratch);
   TreeSets sets = JoinedByTies(m, mobility, scratch);
   mjtNum* all = scratch.Take<mjtNum>(m->nv);
   mjtNum* change[2] = {scratch.Take<mjtNum>(m->nv), scratch.Take<mjtNum>(m->nv)};
   mju_copy(all, delivery.impulse, m->nv);
+  const Delivery late = MakeDelivery(m, scratch);
   ForPulsesOfStep(state, [&](const Pulse& pulse) {
     Join(m, pulse, sets);
     AddPulseRow(m, d, pulse, pulse.line_next, pulse.remaining_next(), all);
+    AddPulseRow(m, d, pulse, pulse.line_next, pulse.remaining_next(), late.remaining);
   });
+  mobility.AddStops(late.remaining, all, scratch);
   mobility.Solve(change[0], delivery.impulse);
   mobility.Solve(change[1], all);
   // work beyond what all pulses will have done, less the energy that may be lost, and its rounding
@@ -177,11 +182,16 @@ void EndOverfullByImpacts(const mjModel* m, const mjData* d, const Mobility& mob
     if (over[set] <= 1e-9 * scale[set]) return;
     const mjtNum rest = pulse.remaining_next();
     const mjtNum when = std::clamp(pulse.onset - clock, 0.5 * h, h);
-    AddPulseRow(m, d, pulse, pulse.line_next, rest, delivery.impulse);
-    AddPulseRow(m, d, pulse, pulse.line_next, when * rest, delivery.moment);
-    AddPulseRow(m, d, pulse, pulse.line_next, when * when * rest, delivery.second);
+    for (const Delivery* sums : {&delivery, &late}) {
+      AddPulseRow(m, d, pulse, pulse.line_next, rest, sums->impulse);
+      AddPulseRow(m, d, pulse, pulse.line_next, when * rest, sums->moment);
+      AddPulseRow(m, d, pulse, pulse.line_next, when * when * rest, sums->second);
+    }
     pulse.delivered_next = 1;
   });
+  mobility.AddStops(late.impulse, delivery.impulse, scratch);
+  mobility.AddStops(late.moment, delivery.moment, scratch);
+  mobility.AddStops(late.second, delivery.second, scratch);
 }
 
 }  // namespace mujoco_impact::engine

@@ -39,7 +39,7 @@ void FollowLines(const mjModel* m, const mjData* d, const Mobility& mobility, St
 
 // Once the impacts of the step are known: delivers all that is left of the sets that would
 // otherwise end the step with more energy than they are to leave.
-void EndOverfullByImpacts(const mjModel* m, const mjData* d, const Mobility& mobility, State& state,
+void EndOverfullByImpacts(const mjModel* m, mjData* d, const Mobility& ties, State& state,
                           const Delivery& delivery, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engine/pulses/held.h"
 #include "engine/pulses/line_of_action.h"
 #include "engine/pulses/settled_energy.h"
 
@@ -11,7 +12,8 @@ namespace mujoco_impact::engine {
 
 void DeliverActive(const mjModel* m, mjData* d, const Mobility& mobility, State& state,
                    Delivery& delivery, Scratch& scratch) {
-  FollowLines(m, d, mobility, state, scratch);
+  const Mobility held = HeldNow(m, d, mobility, state, scratch);
+  FollowLines(m, d, held, state, scratch);
   mjtNum* row = scratch.Take<mjtNum>(m->nv);
   ForPulsesUnderWay(state, [&](Pulse& pulse) {
     const Share share = ShareOfStep(pulse, state.header().clock, m->opt.timestep);
@@ -23,6 +25,9 @@ void DeliverActive(const mjModel* m, mjData* d, const Mobility& mobility, State&
     mju_addToScl(delivery.second, row, SecondMoment(share, m->opt.timestep), m->nv);
     mju_addToScl(delivery.remaining, row, pulse.remaining(), m->nv);
   });
+  for (mjtNum* sum : {delivery.impulse, delivery.moment, delivery.second, delivery.remaining}) {
+    held.AddStops(sum, sum, scratch);
+  }
 }
 
 }  // namespace mujoco_impact::engine

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "engine/handover/silent_rows.h"
 #include "engine/island/tangents.h"
 #include "engine/path/inertia_there.h"
 #include "engine/resolve/reach.h"
@@ -44,6 +45,7 @@ Resolver::Resolver(const mjModel* m, mjData* d, int instance, const Mobility& mo
       start_(LookAhead(m, d, mobility, delivery, state.mocap(), bent_, scratch)),
       flights_(m, d, start_.motion, state.header().active > 0, HasFriction(config_, contacts_),
                scratch),
+      stops_(m, d, start_.motion, scratch),
       steady_(WithoutVelocityForces(m, d, flights_,
                                     flights_.SteadyAcceleration(start_.motion, scratch), scratch)),
       bodies_(m, d, mobility, start_, flights_, scratch) {}
@@ -51,7 +53,7 @@ Resolver::Resolver(const mjModel* m, mjData* d, int instance, const Mobility& mo
 Islands Resolver::FindRound(const Outlook& outlook, Scratch& scratch) {
   const mjtNum reach = ReachOfRound(m_, d_, config_, outlook, flight_, contacts_);
   FindNear(m_, d_, outlook, reach, contacts_);
-  return FindIslands(m_, mobility_, contacts_.contact, contacts_.due, contacts_.near,
+  return FindIslands(m_, mobility_, stops_, contacts_.contact, contacts_.due, contacts_.near,
                      contacts_.count, scratch);
 }
 
@@ -156,7 +158,7 @@ bool Resolver::MoreMayClose(const Outlook& outlook) {
   bool any = false;
   for (int k = 0; k < contacts_.count; ++k) {
     const bool moved = struck_.Moved(*contacts_.contact[k]);
-    contacts_.relevant[k] = (contacts_.due[k] || moved) && !contacts_.idle[k];
+    contacts_.relevant[k] = contacts_.due[k] || moved;
     if (any || !contacts_.relevant[k]) continue;
     const ContactAnchor& anchor = Anchor(m_, d_, contacts_, k);
     const mjtNum rate = ContactPath(m_, d_, anchor, struck_.kicked()).GapRate(0);
@@ -176,6 +178,8 @@ void Resolver::AnchorAll() {
 void Resolver::Run() {
   budget_.SpendPairs(contacts_.asked);
   RunRounds();
+  // MuJoCo's limits would answer the impulses in the same step
+  stops_.ForStruck([this](bool tendon, int id) { SilenceLimit(d_, tendon, id); });
   bodies_.FlyToEnd();
   bodies_.PutBack();
   budget_.Spend(flights_.TakeWork());

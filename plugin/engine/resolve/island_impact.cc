@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "engine/handover/silent_rows.h"
 #include "engine/island/tangents.h"
 #include "engine/path/inertia_there.h"
 #include "engine/record/slots.h"
@@ -10,45 +11,45 @@
 #include "engine/resolve/reach.h"
 #include "engine/resolve/resolver.h"
 #include "engine/scene/tree_kinds.h"
+#include "law/stopping_impulses.h"
 
 namespace mujoco_impact::engine {
 
 // Delivers the part of a new pulse that belongs to this step: all of it, by its moment, if the
 // impact comes at once.
-void Resolver::AddImpact(const ContactRow& row, const ImpactTime& time, const Impact& impact) {
+Share Resolver::AddImpact(const ContactRow& row, const ImpactTime& time, const Impact& impact) {
   const Pulse pulse = MakePulse(m_, d_, row, time.tau, impact, config_, state_);
   const Share whole{impact.impulse, impact.moment, 1};
   const Share share =
       impact.at_once ? whole : ShareOfStep(pulse, state_.header().clock, m_->opt.timestep);
   AddPending(m_, ownership_, state_, pulse, share.delivered_next);
-  AddShare(row, time, share);
+  for (const RowSegment& segment : row.segment) AddShare(segment, time, share);
   struck_.Add(row, share.impulse, impact.impulse - share.impulse);
+  return share;
 }
 
 // To each tree in its own way: bodies that fly are changed there, what was found at another inertia
 // is a change of velocity, all else an impulse.
-void Resolver::AddShare(const ContactRow& row, const ImpactTime& time, const Share& share) {
+void Resolver::AddShare(const RowSegment& segment, const ImpactTime& time, const Share& share) {
+  if (segment.tree < 0) return;
   Scratch scratch(d_);
-  for (const RowSegment& segment : row.segment) {
-    if (segment.tree < 0) continue;
-    const int begin = m_->tree_dofadr[segment.tree], dofs = m_->tree_dofnum[segment.tree];
-    const mjtNum second = SecondMoment(share, m_->opt.timestep);
-    if (flights_.Has(segment.tree)) {
-      mjtNum* kick = scratch.Take<mjtNum>(2 * dofs);
-      mju_scl(kick, segment.inverse_inertia, share.impulse, dofs);
-      mju_scl(kick + dofs, segment.inverse_inertia, share.moment, dofs);
-      const mjtNum seen = time.start + (there_ ? 0 : time.tau);
-      flights_.Add(d_, segment.tree, time.start, seen, path_velocity_, kick, kick + dofs);
-    } else if (there_) {
-      kicks_.any = true;
-      mju_addToScl(kicks_.velocity + begin, segment.inverse_inertia, share.impulse, dofs);
-      mju_addToScl(kicks_.moment + begin, segment.inverse_inertia, share.moment, dofs);
-      mju_addToScl(kicks_.second + begin, segment.inverse_inertia, second, dofs);
-    } else {
-      mju_addToScl(impacts_.impulse + begin, segment.jacobian, share.impulse, dofs);
-      mju_addToScl(impacts_.moment + begin, segment.jacobian, share.moment, dofs);
-      mju_addToScl(impacts_.second + begin, segment.jacobian, second, dofs);
-    }
+  const int begin = m_->tree_dofadr[segment.tree], dofs = m_->tree_dofnum[segment.tree];
+  const mjtNum second = SecondMoment(share, m_->opt.timestep);
+  if (flights_.Has(segment.tree)) {
+    mjtNum* kick = scratch.Take<mjtNum>(2 * dofs);
+    mju_scl(kick, segment.inverse_inertia, share.impulse, dofs);
+    mju_scl(kick + dofs, segment.inverse_inertia, share.moment, dofs);
+    const mjtNum seen = time.start + (there_ ? 0 : time.tau);
+    flights_.Add(d_, segment.tree, time.start, seen, path_velocity_, kick, kick + dofs);
+  } else if (there_) {
+    kicks_.any = true;
+    mju_addToScl(kicks_.velocity + begin, segment.inverse_inertia, share.impulse, dofs);
+    mju_addToScl(kicks_.moment + begin, segment.inverse_inertia, share.moment, dofs);
+    mju_addToScl(kicks_.second + begin, segment.inverse_inertia, second, dofs);
+  } else {
+    mju_addToScl(impacts_.impulse + begin, segment.jacobian, share.impulse, dofs);
+    mju_addToScl(impacts_.moment + begin, segment.jacobian, share.moment, dofs);
+    mju_addToScl(impacts_.second + begin, segment.jacobian, second, dofs);
   }
 }
 
@@ -76,77 +77,132 @@ bool Resolver::AnyFlies(const IslandSystem& system) const {
 
 bool Resolver::FitsIsland(const int* position, int count) {
   Scratch scratch(d_);
+  if (!scratch.Fits(Mobility::StopBytes(m_, mobility_, stops_))) return false;
+  const Mobility mobility(mobility_, stops_, scratch);
   const bool friction = HasFriction(config_, contacts_, position, count);
-  size_t bytes = IslandBytes(m_, mobility_, contacts_, position, count, friction, scratch);
+  size_t bytes = IslandBytes(m_, mobility, contacts_, position, count, friction, scratch);
   if (config_.friction == Friction::kPaper) bytes += FrictionBytes(m_, bytes);
   return scratch.Fits(bytes);
 }
 
-// Of the contacts that MuJoCo carries, by how much the free motion of the bodies up to a time lets
-// them close (size): what carries them does not let them fall, and a body that is struck while it
-// lies on a table must not bounce off it.
-const mjtNum* Resolver::FallOf(const IslandSystem& system, const int* position, mjtNum time,
-                               Scratch& scratch) const {
-  mjtNum* fall = scratch.Zeros(system.size);
+// Takes from the velocity at a time what the bodies fall until then that MuJoCo's contacts carry:
+// by forces on the contacts of an island,
+//
+//   f ≥ 0  ⊥  J (a + M̃⁻¹Jᵀ f) ≥ 0    a: free acceleration
+//
+// A body that lies on a table must not be met, nor bounce, as if it fell. The forces are a little
+// larger: what they are not exact to must not close a contact, which would be an impact.
+void Resolver::HoldUp(const Mobility& mobility, const IslandSystem& system, const int* position,
+                      mjtNum time, mjtNum* velocity) {
   // what pulses under way do to the bodies is no fall
-  if (start_.bend) return fall;
-  const mjtNum lead = PathLag(m_);
-  for (int k = 0; k < system.size; ++k) {
-    if (contacts_.due[position[k]] || !IsCarried(*system.row[k].contact)) continue;
-    const mjtNum pressing = -RowTimes(m_, system.row[k], start_.motion.acceleration);
-    fall[k] = std::max<mjtNum>(0, pressing * (lead + time));
+  if (start_.bend) return;
+  constexpr mjtNum kExact = 1e-4;
+  constexpr mjtNum kOpen = std::numeric_limits<mjtNum>::infinity();
+  const int n = system.size;
+  Scratch scratch(d_);
+  mjtNum *fall = scratch.Zeros(n), *bound = scratch.Take<mjtNum>(n);
+  mjtNum* acceleration = scratch.Take<mjtNum>(m_->nv);
+  mju_copy(acceleration, start_.motion.acceleration, m_->nv);
+  mobility.Halt(acceleration);
+  mjtNum fastest = 0;
+  for (int k = 0; k < n; ++k) {
+    const mjContact& contact = *system.row[k].contact;
+    const bool carried =
+        IsCarried(contact) && !IsSilent(d_, contact) && !contacts_.due[position[k]];
+    bound[k] = carried ? 0 : kOpen;
+    if (!carried) continue;
+    fall[k] = -time * RowTimes(m_, system.row[k], acceleration);
+    fastest = std::max(fastest, fall[k]);
   }
-  return fall;
+  if (fastest == 0 || budget_.IsLow()) return;
+  law::StoppingImpulses support(system.delassus,
+                                scratch.Take<mjtNum>(law::StoppingImpulses::kArrays * n));
+  for (int k = 0; k < n; ++k) fall[k] += 2 * kExact * fastest;
+  support.Solve(fall, bound, kExact * fastest, budget_.OfEnd());
+  budget_.Spend(support.work());
+  for (int k = 0; k < n; ++k) {
+    if (support.impulse()[k] == 0) continue;
+    Scratch of_row(d_);
+    AddAnswer(m_, mobility, system.row[k].segment, support.impulse()[k], velocity, of_row);
+  }
 }
 
-// The contacts of an island and their impacts. Of bodies that have been moved there for it, the
-// geometry is that of where they are; else that of when the first contact closes.
-IslandSystem Resolver::SolveIsland(const Outlook& outlook, ImpactTime time, const int* position,
-                                   int count, Impact* impacts, Scratch& scratch) {
+// The impacts of an island with the stops that hold now. Of bodies that have been moved there for
+// it, the geometry is that of where they are; else that of when the first contact closes.
+IslandSolution Resolver::TryIsland(const Outlook& outlook, ImpactTime time, const int* position,
+                                   int count, Scratch& scratch) {
   const mjtNum seen = there_ ? 0 : time.tau;
   time.seen = seen - time.tau;
-  IslandSystem system = BuildIsland(m_, d_, mobility_, contacts_, position, count, outlook.motion,
-                                    seen, time.tau, scratch);
+  const Mobility mobility(mobility_, stops_, scratch);
+  IslandSolution island{mobility,
+                        BuildIsland(m_, d_, mobility, contacts_, position, count, outlook.motion,
+                                    seen, time.tau, scratch),
+                        scratch.Take<Impact>(count)};
+  IslandSystem& system = island.system;
   const bool friction = HasFriction(config_, contacts_, position, count);
   for (int k = 0; k < count; ++k) budget_.SpendRow(m_, system.row[k], friction ? 3 : 1);
   // a tumbling body turns away from a pulse that lasts, whose line stays as it was
   constexpr mjtNum kShortSteps = 4;
   if (AnyFlies(system)) time.short_of = kShortSteps * m_->opt.timestep;
-  const mjtNum* velocity = SettledVelocity(m_, outlook, seen, scratch);
+  mjtNum* velocity = SettledVelocity(m_, outlook, seen, scratch);
+  // what stands at a stop that holds stands still
+  mobility.Halt(velocity);
+  HoldUp(mobility, system, position, PathLag(m_) + outlook.start + seen, velocity);
   mjtNum* acceleration = scratch.Take<mjtNum>(m_->nv);
   mju_addScl(acceleration, steady_, start_.motion.jerk, outlook.start + seen, m_->nv);
+  mobility.Halt(acceleration);
   Tangents* tangents = nullptr;
   if (friction) {
-    tangents = BuildTangents(m_, d_, mobility_, system, outlook.motion, seen, velocity, scratch);
+    tangents = BuildTangents(m_, d_, mobility, system, outlook.motion, seen, velocity, scratch);
   }
-  const mjtNum* fall = FallOf(system, position, outlook.start + seen, scratch);
-  ResolveIsland(m_, config_, ownership_, system, time, velocity, fall, acceleration, tangents,
-                budget_, &stiffer_, impacts, scratch);
-  if (tangents) TurnRows(m_, *tangents, system, impacts);
+  ResolveIsland(m_, config_, ownership_, system, time, velocity, acceleration, tangents, budget_,
+                &stiffer_, island.impacts, scratch);
+  if (tangents) TurnRows(m_, *tangents, system, island.impacts);
   if (config_.friction == Friction::kPaper) {
-    AddFriction(m_, d_, config_, outlook.motion, seen, velocity, system, impacts, scratch);
+    AddFriction(m_, d_, config_, outlook.motion, seen, velocity, system, island.impacts, scratch);
   }
-  return system;
+  return island;
+}
+
+// Solves an island, and again until the stops that hold are those that its impulses push, and calls
+// use(island); where that does not come to an end, none holds. False if it needs more memory than
+// there is.
+template <typename Use>
+bool Resolver::SolveIsland(const Outlook& outlook, const ImpactTime& time, const int* position,
+                           int count, Use use) {
+  constexpr int kTrials = 8;
+  const mjtNum stiffer = stiffer_;
+  stops_.Look(outlook.motion, there_ ? 0 : time.tau);
+  for (int trial = 1;; ++trial) {
+    if (!FitsIsland(position, count)) return false;
+    Scratch scratch(d_);
+    stiffer_ = stiffer;
+    const IslandSolution island = TryIsland(outlook, time, position, count, scratch);
+    if (trial <= kTrials && ChangesStops(outlook, time, island)) {
+      if (trial == kTrials) stops_.Release();
+      continue;
+    }
+    use(island);
+    return true;
+  }
 }
 
 // False if no contact pushes.
 bool Resolver::ResolveIslandOf(const Outlook& outlook, ImpactTime time, const int* position,
                                int count) {
-  if (!FitsIsland(position, count)) {
-    mju_warning(
-        "mujoco_impact.waveform: an impact of %d contacts needs more memory than mjData has left "
-        "and is skipped; raise <size memory=\"...\"/> in the model",
-        count);
-    return true;
-  }
-  Scratch scratch(d_);
-  Impact* impacts = scratch.Take<Impact>(count);
-  const IslandSystem system = SolveIsland(outlook, time, position, count, impacts, scratch);
-  const auto pushes = std::count_if(impacts, impacts + count,
-                                    [](const Impact& impact) { return impact.impulse > 0; });
-  if (pushes == 0) return false;
-  if (!HasRoom(state_, static_cast<int>(pushes))) ComeAtOnce(time, count, impacts);
-  AddImpacts(system, time, impacts, position);
+  int64_t pushes = 0;
+  const bool fits = SolveIsland(outlook, time, position, count, [&](const IslandSolution& island) {
+    pushes = std::count_if(island.impacts, island.impacts + count,
+                           [](const Impact& impact) { return impact.impulse > 0; });
+    if (pushes == 0) return;
+    if (!HasRoom(state_, static_cast<int>(pushes))) ComeAtOnce(time, count, island.impacts);
+    AddImpacts(island, time, position);
+  });
+  if (fits) return pushes > 0;
+  mju_warning(
+      "mujoco_impact.waveform: an impact of %d contacts needs more memory than mjData has left "
+      "and is skipped; raise <size memory=\"...\"/> in the model",
+      count);
   return true;
 }
 
@@ -154,18 +210,19 @@ bool Resolver::ResolveIslandOf(const Outlook& outlook, ImpactTime time, const in
 // they last on.
 mjtNum Resolver::CentreOf(const Outlook& outlook, const ImpactTime& time, const int* position,
                           int count) {
-  if (!FitsIsland(position, count)) return 0;
+  mjtNum impulse = 0, moment = 0;
+  bool lasts = false;
   Scratch scratch(d_);
   const InertiaThere inertia(m_, d_, scratch);
-  Impact* impacts = scratch.Take<Impact>(count);
-  SolveIsland(outlook, time, position, count, impacts, scratch);
-  mjtNum impulse = 0, moment = 0;
-  for (int k = 0; k < count; ++k) {
-    if (impacts[k].impulse > 0 && !impacts[k].at_once) return 0;
-    impulse += impacts[k].impulse;
-    moment += impacts[k].moment;
-  }
-  return impulse > 0 ? moment / impulse - time.start - time.tau : 0;
+  SolveIsland(outlook, time, position, count, [&](const IslandSolution& island) {
+    for (int k = 0; k < count; ++k) {
+      const Impact& impact = island.impacts[k];
+      lasts = lasts || (impact.impulse > 0 && !impact.at_once);
+      impulse += impact.impulse;
+      moment += impact.moment;
+    }
+  });
+  return impulse > 0 && !lasts ? moment / impulse - time.start - time.tau : 0;
 }
 
 bool Resolver::HasArms(const int* position, int count) const {
@@ -200,41 +257,27 @@ void Resolver::ComeAtOnce(const ImpactTime& time, int count, Impact* impacts) {
   }
 }
 
-void Resolver::AddImpacts(const IslandSystem& system, const ImpactTime& time, const Impact* impacts,
+void Resolver::AddImpacts(const IslandSolution& island, const ImpactTime& time,
                           const int* position) {
+  const IslandSystem& system = island.system;
+  Scratch scratch(d_);
+  Share* shares = scratch.Take<Share>(system.size);
   mjtNum end = time.start + time.tau;
   for (int k = 0; k < system.size; ++k) {
-    const int i = position[k];
-    if (impacts[k].impulse > 0) {
-      AddImpact(system.row[k], time, impacts[k]);
-      end = std::max(end, impacts[k].onset + impacts[k].duration);
-    } else if (contacts_.due[i]) {
-      left_ = std::min(left_, time.start + contacts_.tau[i]);
+    const Impact& impact = island.impacts[k];
+    shares[k] = {};
+    if (impact.impulse > 0) {
+      shares[k] = AddImpact(system.row[k], time, impact);
+      end = std::max(end, impact.onset + impact.duration);
+    } else if (contacts_.due[position[k]]) {
+      left_ = std::min(left_, time.start + contacts_.tau[position[k]]);
     }
   }
   round_end_ = std::min(round_end_, end);
   for (int k = 0; k < system.size; ++k) {
-    if (impacts[k].impulse > 0) struck_.TakeUntil(system.row[k], end);
+    if (island.impacts[k].impulse > 0) struck_.TakeUntil(system.row[k], end);
   }
-}
-
-// Resolves as much of the island as the impact that begins in it can reach.
-bool Resolver::ResolvePartOf(const Outlook& outlook, ImpactTime time, const int* position,
-                             int count) {
-  if (last_ || !IsCrowded(m_, d_, contacts_, position, count)) {
-    return ResolveIslandOf(outlook, time, position, count);
-  }
-  Scratch scratch(d_);
-  const Islands part =
-      ReachedPart(m_, d_, mobility_, outlook, position, count, contacts_, time, scratch);
-  const int* end = part.position + part.start[1];
-  for (int k = 0; k < count; ++k) {
-    const int i = position[k];
-    if (!contacts_.due[i] || std::binary_search(part.position, end, i)) continue;
-    left_ = std::min(left_, time.start + contacts_.tau[i]);
-  }
-  time.first = FirstClosing(outlook, part.position, part.start[1]).first;
-  return ResolveIslandOf(outlook, time, part.position, part.start[1]);
+  AddStops(island, time, shares, end);
 }
 
 // Resolves the island from the first contact on whose closing is an impact. What closes within the
@@ -242,14 +285,10 @@ bool Resolver::ResolvePartOf(const Outlook& outlook, ImpactTime time, const int*
 void Resolver::ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position,
                               int count) {
   while (time.first >= 0) {
-    if (ResolvePartOf(outlook, time, position, count)) {
-      std::fill_n(contacts_.idle, contacts_.count, false);
-      return;
-    }
+    if (ResolveIslandOf(outlook, time, position, count)) return;
     for (int k = 0; k < count; ++k) {
       const int i = position[k];
       if (!contacts_.due[i] || contacts_.tau[i] > time.tau + time.flight) continue;
-      contacts_.idle[i] = true;
       contacts_.due[i] = false;
     }
     if (budget_.IsSpent()) return;

@@ -116,21 +116,6 @@ mjtNum CloseLess(const IslandSystem& system, const IslandProblem& problem) {
   return less;
 }
 
-mjtNum CompressLess(const IslandSystem& system, const IslandProblem& problem) {
-  mjtNum less = 1;
-  for (int k = 0; k < problem.size; ++k) {
-    const mjtNum P = problem.impulse[k], W = problem.duration[k];
-    if (P <= 0) continue;
-    const mjtNum deepest = kOfRadius / system.row[k].curvature;
-    // a push that is rounding has a peak without meaning, but stops no more than P W_kk
-    const mjtNum bound = P * system.delassus.diagonal[k] * W;
-    if (bound <= deepest) continue;
-    const mjtNum y3_2 = law::WaveformHeight(P, W) / problem.stiffness[k];
-    less = std::min(less, deepest / std::min(bound, std::cbrt(y3_2 * y3_2)));
-  }
-  return less;
-}
-
 mjtNum OverlapLess(const mjModel* m, const Config& config, const IslandSystem& system,
                    const IslandProblem& problem) {
   constexpr int kSamples = 8;

@@ -24,9 +24,6 @@ mjtNum EndOf(const IslandProblem& problem);
 // For what closes at once, each contact by itself: an estimate before the law is asked.
 mjtNum CloseLess(const IslandSystem& system, const IslandProblem& problem);
 
-// For the compressions of the Hertz law, by the peak forces of its solution, H = K y^(3/2).
-mjtNum CompressLess(const IslandSystem& system, const IslandProblem& problem);
-
 // For normals that turn while the pulses last: their impulses act along those of the onset.
 mjtNum TurnLess(const IslandSystem& system, const IslandProblem& problem);
 

@@ -8,6 +8,7 @@
 #include "engine/resolve/island_problem.h"
 #include "engine/resolve/overlap.h"
 #include "law/friction_guard.h"
+#include "law/friction_on_disc.h"
 #include "law/hertz_contact.h"
 #include "law/impact_clock.h"
 #include "law/impact_law.h"
@@ -140,7 +141,7 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
   }
   for (int i = 0;; ++i) {
     const bool over = SolveHertz(config, system, time, budget, problem);
-    mjtNum less = std::min(CompressLess(system, problem), TurnLess(system, problem));
+    mjtNum less = TurnLess(system, problem);
     if (InstantRule(config) && less >= 1) {
       if (config.restitution < 1) {
         PressOutDents(system, problem, std::max(EndOf(problem), time.left()));
@@ -159,6 +160,22 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
   return SetCommonPulse(m, config, system, time, EndOf(problem), problem);
 }
 
+// Friction of a contact alone that sticks: it stops the slip that the bodies have a time after v
+// was taken, Q = −W_tt⁻¹ (v + a t + W_tn P). A ball that falls straight down has no more for its
+// weight.
+void StopSlip(const mjModel* m, const mjtNum* acceleration, mjtNum time, const IslandSystem& system,
+              IslandProblem& problem) {
+  const Tangents& tangents = *problem.tangents;
+  const law::TangentBlock own = law::OwnBlock(system.delassus, tangents.friction, 0);
+  mjtNum slip[2];
+  for (int i = 0; i < 2; ++i) {
+    slip[i] = tangents.friction.slip[i] + own.tn[i] * problem.impulse[0] +
+              time * SegmentsTimes(m, tangents.row[i].segment, acceleration);
+  }
+  const law::Pair stop = law::Times(law::Inverse(law::Lifted(own.tt)), law::At(slip));
+  law::Put(tangents.impulse, -1 * stop);
+}
+
 // Gravity goes on while bodies touch, and the contact carries them all the while, for the time W
 // that it lasts. With the impulse P at its centre t, W = (1 + e)/e t. All impulses are scaled by
 //
@@ -173,21 +190,26 @@ void CountForcesMeanwhile(const mjModel* m, const IslandSystem& system, const mj
   constexpr mjtNum kMost = 0.1;  // beyond, bodies are pressed and not struck
   // t' / t; what hardly parts stays in touch longer than that, and is carried by MuJoCo
   const mjtNum after = 1 / std::max<mjtNum>(restitution, 0.2);
-  mjtNum work = 0, meanwhile = 0;
+  mjtNum work = 0, meanwhile = 0, until = 0;
   for (int k = 0; k < problem.size; ++k) {
     if (problem.impulse[k] <= 0) continue;
     work += problem.closing_speed[k] * problem.impulse[k];
-    const mjtNum until = problem.impulse[k] * (problem.onset[k] - seen) +
-                         after * (problem.moment[k] - problem.onset[k] * problem.impulse[k]);
+    until = problem.impulse[k] * (problem.onset[k] - seen) +
+            after * (problem.moment[k] - problem.onset[k] * problem.impulse[k]);
     meanwhile -= RowTimes(m, system.row[k], acceleration) * until;
   }
   if (work <= 0 || std::abs(meanwhile) > kMost * work) return;
   for (mjtNum* numbers : {problem.impulse, problem.moment, problem.peak}) {
     mju_scl(numbers, numbers, 1 + meanwhile / work, problem.size);
   }
-  if (problem.tangents) {
-    mjtNum* friction = problem.tangents->impulse;
-    mju_scl(friction, friction, 1 + meanwhile / work, 2 * problem.size);
+  if (!problem.tangents) return;
+  mjtNum* friction = problem.tangents->impulse;
+  mju_scl(friction, friction, 1 + meanwhile / work, 2 * problem.size);
+  constexpr mjtNum kStopped = 1e-6;
+  const mjtNum *before = problem.tangents->friction.slip, *slip = problem.tangents->after;
+  const bool sticks = std::hypot(slip[0], slip[1]) <= kStopped * std::hypot(before[0], before[1]);
+  if (problem.size == 1 && sticks && !mju_isZero(friction, 2)) {
+    StopSlip(m, acceleration, until / problem.impulse[0], system, problem);
   }
 }
 
@@ -238,13 +260,9 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
 
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   const mjtNum* fall, const mjtNum* acceleration, Tangents* tangents,
-                   Budget& budget, mjtNum* stiffer, Impact* impacts, Scratch& scratch) {
+                   const mjtNum* acceleration, Tangents* tangents, Budget& budget, mjtNum* stiffer,
+                   Impact* impacts, Scratch& scratch) {
   IslandProblem problem = MakeProblem(m, config, system, velocity, tangents, scratch);
-  for (int k = 0; k < system.size; ++k) {
-    mjtNum& closing = problem.closing_speed[k];
-    if (closing > 0) closing = std::max<mjtNum>(0, closing - fall[k]);
-  }
   const int first = ReferenceOf(problem, time.first);
   const mjtNum speed = problem.closing_speed[first];
   std::fill_n(impacts, system.size, Impact{});

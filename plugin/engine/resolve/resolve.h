@@ -37,13 +37,12 @@ mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const m
 
 // `stiffer` is the least λ of the step so far: bodies that had to be stiffer in one round, y ~ λ,
 // begin so in the next. `velocity` is what the bodies have at τ when all pulses under way have been
-// delivered, `fall` by how much less contacts close for being carried (size), `acceleration` what
-// other forces give them meanwhile (nv). `tangents` are those of the system, null without friction;
-// `impacts` has room for system.size.
+// delivered, `acceleration` what other forces give them meanwhile (nv). `tangents` are those of the
+// system, null without friction; `impacts` has room for system.size.
 void ResolveIsland(const mjModel* m, const Config& config, const Ownership& ownership,
                    const IslandSystem& system, const ImpactTime& time, const mjtNum* velocity,
-                   const mjtNum* fall, const mjtNum* acceleration, Tangents* tangents,
-                   Budget& budget, mjtNum* stiffer, Impact* impacts, Scratch& scratch);
+                   const mjtNum* acceleration, Tangents* tangents, Budget& budget, mjtNum* stiffer,
+                   Impact* impacts, Scratch& scratch);
 
 }  // namespace mujoco_impact::engine
 

@@ -16,6 +16,7 @@
 #include "engine/island/island_system.h"
 #include "engine/island/islands.h"
 #include "engine/path/mobility.h"
+#include "engine/path/stops.h"
 #include "engine/resolve/budget.h"
 #include "engine/resolve/resolve.h"
 #include "engine/resolve/struck.h"
@@ -24,6 +25,13 @@
 #include "engine/state/state.h"
 
 namespace mujoco_impact::engine {
+
+// The contacts of an island with the stops that hold, and their impacts.
+struct IslandSolution {
+  Mobility mobility;
+  IslandSystem system;
+  Impact* impacts;
+};
 
 class Resolver {
  public:
@@ -51,20 +59,26 @@ class Resolver {
   bool HasArms(const int* position, int count) const;
   void GoToCentre(Outlook& outlook, const ImpactTime& time, const int* position, int count);
   void ResolveFirstOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
-  bool ResolvePartOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
   bool ResolveIslandOf(const Outlook& outlook, ImpactTime time, const int* position, int count);
+  template <typename Use>
+  bool SolveIsland(const Outlook& outlook, const ImpactTime& time, const int* position, int count,
+                   Use use);
   bool FitsIsland(const int* position, int count);
-  IslandSystem SolveIsland(const Outlook& outlook, ImpactTime time, const int* position, int count,
-                           Impact* impacts, Scratch& scratch);
+  IslandSolution TryIsland(const Outlook& outlook, ImpactTime time, const int* position, int count,
+                           Scratch& scratch);
   mjtNum CentreOf(const Outlook& outlook, const ImpactTime& time, const int* position, int count);
   bool AnyFlies(const IslandSystem& system) const;
-  const mjtNum* FallOf(const IslandSystem& system, const int* position, mjtNum time,
-                       Scratch& scratch) const;
+  void HoldUp(const Mobility& mobility, const IslandSystem& system, const int* position,
+              mjtNum time, mjtNum* velocity);
   static void ComeAtOnce(const ImpactTime& time, int count, Impact* impacts);
-  void AddImpacts(const IslandSystem& system, const ImpactTime& time, const Impact* impacts,
-                  const int* position);
-  void AddImpact(const ContactRow& row, const ImpactTime& time, const Impact& impact);
-  void AddShare(const ContactRow& row, const ImpactTime& time, const Share& share);
+  void AddImpacts(const IslandSolution& island, const ImpactTime& time, const int* position);
+  Share AddImpact(const ContactRow& row, const ImpactTime& time, const Impact& impact);
+  void AddShare(const RowSegment& segment, const ImpactTime& time, const Share& share);
+
+  // Stops (island_stops.cc).
+  bool ChangesStops(const Outlook& outlook, const ImpactTime& time, const IslandSolution& island);
+  void AddStops(const IslandSolution& island, const ImpactTime& time, const Share* shares,
+                mjtNum end);
 
   const mjModel* m_;
   mjData* d_;
@@ -82,6 +96,7 @@ class Resolver {
   Struck struck_;
   const Outlook start_;
   Flights flights_;
+  Stops stops_;
   const mjtNum* steady_;  // what gravity and other forces do to the velocities (nv)
   BodiesInStep bodies_;
   const mjtNum* path_velocity_ = nullptr;  // of the outlook of the round (nv)

@@ -56,6 +56,19 @@ void Struck::Add(const ContactRow& row, mjtNum delivered, mjtNum rest) {
   owes_ = true;
 }
 
+void Struck::AddStop(const Mobility& ties, int i, mjtNum delivered, mjtNum rest, mjtNum end) {
+  Scratch scratch(d_);
+  mjtNum* kick = scratch.Take<mjtNum>(m_->nv);
+  mju_copy(kick, ties.answer(i), m_->nv);
+  if (mobility_.ties() > 0) mobility_.Tie(kick);
+  mju_addToScl(kicked_.velocity, kick, delivered, m_->nv);
+  mju_addToScl(owed_, kick, rest, m_->nv);
+  ties.ForTrees(i, [this, end](int tree, int) {
+    mark_[tree] = kStruck;
+    busy_[tree] = end;
+  });
+}
+
 void Struck::TakeUntil(const ContactRow& row, mjtNum end) {
   ForMoved(row, [this, end](int tree) { busy_[tree] = end; });
 }

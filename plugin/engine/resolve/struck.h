@@ -34,6 +34,9 @@ class Struck {
   // Adds the impulse of a contact: what is delivered in this step, and the rest.
   void Add(const ContactRow& row, mjtNum delivered, mjtNum rest);
 
+  // The same of a stop, tie i of those of an impact, and takes its trees until `end`.
+  void AddStop(const Mobility& ties, int i, mjtNum delivered, mjtNum rest, mjtNum end);
+
   // Takes the trees that the contact moves until `end`.
   void TakeUntil(const ContactRow& row, mjtNum end);
 

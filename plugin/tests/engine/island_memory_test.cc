@@ -132,8 +132,8 @@ TEST_P(IslandMemory, AnIslandTakesNoMoreThanItAsksFor) {
   if (HasFriction(config, contacts)) {
     tangents = BuildTangents(m, d, mobility, system, outlook.motion, time.tau, velocity, inside);
   }
-  ResolveIsland(m, config, ownership, system, time, velocity, acceleration, acceleration, tangents,
-                budget, &stiffer, impacts, inside);
+  ResolveIsland(m, config, ownership, system, time, velocity, acceleration, tangents, budget,
+                &stiffer, impacts, inside);
   if (config.friction == Friction::kPaper) {
     AddFriction(m, d, config, outlook.motion, time.tau, velocity, system, impacts, inside);
   }

@@ -74,9 +74,8 @@ def _is_pulled_hard(evidence: Evidence) -> bool:
 
 
 def _is_held(evidence: Evidence) -> bool:
-    """Whether constraints that the law does not know hold balls."""
-    case, run = evidence.case, evidence.run
-    return run.limited or (run.native and not case.is_free)
+    """Whether contacts of MuJoCo, which the law does not know, hold balls."""
+    return evidence.run.native and not evidence.case.is_free
 
 
 def _spins(evidence: Evidence) -> bool:
@@ -150,8 +149,8 @@ LIMITS = (
     ),
     Limit(
         "held",
-        "a joint limit holds a ball, or other forces press balls together and MuJoCo's "
-        "contact carries them: the law leaves both out",
+        "other forces press balls together and MuJoCo's contact carries them: the law "
+        "leaves that out",
         _ENERGY | _SHAPE,
         _is_held,
     ),

@@ -34,7 +34,6 @@ class Observation:
             every pulse is delivered and no contact is MuJoCo's, shape (n_samples,).
         begun: How many of `impacts` began in a step, shape (n_samples - 1,).
         pushed: Whether MuJoCo's own contacts pushed in a step, shape (n_samples - 1,).
-        limited: Whether a joint limit held something.
         impacts: The impacts of the plugin.
         missed: Impacts without a record.
         warnings: What MuJoCo warned of.
@@ -50,7 +49,6 @@ class Observation:
     quiet: npt.NDArray[np.bool_]
     begun: npt.NDArray[np.int64]
     pushed: npt.NDArray[np.bool_]
-    limited: bool
     impacts: tuple[Impact, ...]
     missed: int
     warnings: tuple[str, ...]
@@ -93,7 +91,7 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
     pulses = PulseReader(model, data)
     until = -np.inf
     qpos_of[0], qvel_of[0] = data.qpos, data.qvel
-    limited, seen = False, 0
+    seen = 0
     with collected_warnings() as messages, _StageForces(model) as stages:
         for step in range(steps):
             stages.begin()
@@ -103,7 +101,6 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
             work[step] = _work(model, data, instances)
             qpos_of[step + 1], qvel_of[step + 1] = data.qpos, data.qvel
             # a step finds the contacts of the state that it starts from
-            limited = limited or _is_limiting(data)
             pushed[step] = _is_pushing(model, data) or stages.acted
             pulses.poll()
             begun[step] = len(pulses.impacts) - seen
@@ -121,7 +118,6 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
         quiet=~busy,
         begun=begun,
         pushed=pushed,
-        limited=limited,
         impacts=tuple(pulses.impacts),
         missed=pulses.missed,
         warnings=tuple(messages),
@@ -181,12 +177,6 @@ class _StageForces:
         self._calls += 1
         if self._calls > 1:
             self.acted = self.acted or bool(np.any(data.qfrc_constraint))
-
-
-def _is_limiting(data: mujoco.MjData) -> bool:
-    """Whether a joint limit exerts a force."""
-    limits = data.efc_type == mujoco.mjtConstraint.mjCNSTR_LIMIT_JOINT
-    return bool(np.any(data.efc_force[limits]))
 
 
 def energies(model: mujoco.MjModel, qpos: Array, qvel: Array) -> Array:
