@@ -63,5 +63,15 @@ def coverage(page: Path) -> None:
         typer.echo(page)
 
 
+@app.command()
+def domains(page: Path) -> None:
+    """Run whole domains with our contacts and with MuJoCo's; write the page."""
+    from mujoco_impact_lab.domains.page import write_page
+
+    with clean_errors():
+        write_page(page, report=typer.echo)
+        typer.echo(page)
+
+
 if __name__ == "__main__":
     app()

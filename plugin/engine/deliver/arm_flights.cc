@@ -130,7 +130,7 @@ bool ArmFlights::FlyToEnd(mjData* d) {
   if (PathLag(m_) > 0) {
     Scratch scratch(d);
     const InertiaThere restored(m_, d, scratch);
-    for (const Twin& twin : {now_, unstruck_}) Advance(d, -PathLag(m_), false, twin);
+    for (const Twin& twin : {now_, unstruck_}) Advance(d, -PathLag(m_), false, false, twin);
   }
   mju_sub(faster_, now_.qvel, unstruck_.qvel, static_cast<int>(m_->nv));
   return true;
@@ -175,10 +175,10 @@ void ArmFlights::FlyTo(mjData* d, mjtNum t) {
   Scratch scratch(d);
   const InertiaThere restored(m_, d, scratch);
   for (int i = 0; i < substeps; ++i) {
-    Advance(d, time / substeps, true, unstruck_);
+    Advance(d, time / substeps, true, resist, unstruck_);
     if (!any_) continue;
     if (resist) Resist(d, time / substeps / 2);
-    Advance(d, time / substeps, true, now_);
+    Advance(d, time / substeps, true, resist, now_);
     if (resist) Resist(d, time / substeps / 2);
   }
   if (!any_) {
@@ -187,10 +187,13 @@ void ArmFlights::FlyTo(mjData* d, mjtNum t) {
   }
 }
 
-// The classical Runge-Kutta method; `moves`: not only the velocities.
-void ArmFlights::Advance(mjData* d, mjtNum time, bool moves, const Twin& twin) {
+// The classical Runge-Kutta method or, where what it is split from is of second order, that of the
+// midpoint; `moves`: not only the velocities.
+void ArmFlights::Advance(mjData* d, mjtNum time, bool moves, bool second, const Twin& twin) {
   const int nq = static_cast<int>(m_->nq), nv = static_cast<int>(m_->nv);
   constexpr mjtNum kNext[4] = {0.5, 0.5, 1, 0}, kWeight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+  constexpr mjtNum kMidpoint[2] = {0, 1};
+  const mjtNum* weight = second ? kMidpoint : kWeight;
   Scratch scratch(d);
   const Twin stage{scratch.Take<mjtNum>(nq), scratch.Take<mjtNum>(nv)};
   const Twin start{scratch.Take<mjtNum>(nq), scratch.Take<mjtNum>(nv)};
@@ -199,11 +202,11 @@ void ArmFlights::Advance(mjData* d, mjtNum time, bool moves, const Twin& twin) {
     mju_copy(copy->qpos, twin.qpos, nq);
     mju_copy(copy->qvel, twin.qvel, nv);
   }
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < (second ? 2 : 4); ++i) {
     FindRate(d, stage, rate.qpos, rate.qvel);
     if (!moves) mju_zero(rate.qpos, nq);
-    mju_addToScl(twin.qpos, rate.qpos, kWeight[i] * time, nq);
-    mju_addToScl(twin.qvel, rate.qvel, kWeight[i] * time, nv);
+    mju_addToScl(twin.qpos, rate.qpos, weight[i] * time, nq);
+    mju_addToScl(twin.qvel, rate.qvel, weight[i] * time, nv);
     mju_addScl(stage.qpos, start.qpos, rate.qpos, kNext[i] * time, nq);
     mju_addScl(stage.qvel, start.qvel, rate.qvel, kNext[i] * time, nv);
   }

@@ -53,7 +53,7 @@ class ArmFlights {
 
   void Begin(mjtNum t, const mjtNum* qpos, const mjtNum* qvel);
   void FlyTo(mjData* d, mjtNum t);
-  void Advance(mjData* d, mjtNum time, bool moves, const Twin& twin);
+  void Advance(mjData* d, mjtNum time, bool moves, bool second, const Twin& twin);
   void FindRate(mjData* d, const Twin& twin, mjtNum* qpos_rate, mjtNum* acceleration);
   void FindPositionRate(int tree, const Twin& twin, mjtNum* qpos_rate) const;
   void Resist(mjData* d, mjtNum time);

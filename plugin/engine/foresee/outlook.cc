@@ -100,7 +100,7 @@ Outlook BodiesInStep::MoveTo(mjtNum t, const Delivery& delivery, const Kicks& ki
 // result += s ΔV, and what ties make of it.
 void BodiesInStep::AddTied(const mjtNum* kick, mjtNum s, mjtNum* result) {
   mju_copy(work_, kick, m_->nv);
-  if (mobility_.ties() > 0) mobility_.Tie(work_);
+  mobility_.Tie(work_);
   mju_addToScl(result, work_, s, m_->nv);
 }
 

@@ -83,7 +83,8 @@ mjtNum ContactPath::RestSpeed(const mjModel* m, const mjData* d, mjtNum tau) con
   const mjtNum first = Dot(normal, of_side_[0].acceleration);
   const mjtNum second = Dot(normal, of_side_[1].acceleration);
   if (!anchor_.carried) return engine::RestSpeed(m, d, first - second);
-  return CarriedRestSpeed(m, d, std::max({first - second, std::abs(first), std::abs(second)}));
+  const mjtNum pressing = std::max({first - second, std::abs(first), std::abs(second)});
+  return CarriedRestSpeed(m, d, pressing, -gap_);
 }
 
 mjtNum ContactPath::NearestTime(mjtNum from, mjtNum end) const {

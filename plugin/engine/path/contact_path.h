@@ -14,6 +14,8 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+
 #include "engine/path/motion.h"
 #include "engine/path/point.h"
 #include "engine/path/rest.h"
@@ -39,15 +41,17 @@ inline mjtNum ClosingSpeed(const mjModel* m, const mjData* d, const mjContact& c
 }
 
 // Whether a contact that closes with c at the start of the step may close as an impact by its end;
-// one that MuJoCo carries, if it is faster than `at_rest`, the largest u_rest (rest.h).
+// one that MuJoCo carries, if it is faster than `at_rest`, the largest u_rest, and than what has
+// made its overlap (rest.h).
 //
 // The bodies are pressed by some a, reach c + 3/2 a h by the end, and must be faster than
 // u_rest = 2 a h there: so a h ≤ 2 c, and they come c h + a h² ≤ 3 c h. Nor is u_rest more than
 // its largest, where a h is half of it.
 inline bool MayClose(const mjModel* m, const mjContact& contact, mjtNum c, mjtNum at_rest,
                      mjtNum touch) {
-  if (c <= (IsCarried(contact) ? at_rest : 0)) return false;
-  return contact.dist - std::min(3 * c, c + at_rest / 2) * m->opt.timestep < -touch;
+  const mjtNum h = m->opt.timestep;
+  if (c <= (IsCarried(contact) ? std::max(at_rest, -contact.dist / (2 * h)) : 0)) return false;
+  return contact.dist - std::min(3 * c, c + at_rest / 2) * h < -touch;
 }
 
 // A contact as two points of its bodies, so that its gap is known wherever the bodies are.

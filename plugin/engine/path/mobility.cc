@@ -110,10 +110,11 @@ void Mobility::FindGroups(Scratch& scratch) {
 
 void Mobility::Solve(mjtNum* x, const mjtNum* y) const {
   SolveInertia(m_, d_, x, y);
-  if (ties_ > 0) Tie(x);
+  Tie(x);
 }
 
 void Mobility::Tie(mjtNum* x, mjtNum* force) const {
+  if (ties_ == 0) return;
   mjtNum *rate = work_, *pull = force ? force : work_ + ties_;
   // −(A + R)⁻¹J x
   mju_mulMatVec(rate, rows_, x, ties_, m_->nv);

@@ -24,15 +24,13 @@ bool HasDamping(const mjModel* m) {
   return std::any_of(m->dof_damping, m->dof_damping + m->nv, [](mjtNum b) { return b > 0; });
 }
 
-// f ← M (M + h B)⁻¹ f: the force without what implicit damping takes of its effect. A light joint
-// with strong damping, h B ≫ M, would by M⁻¹ alone be expected to turn back within the step.
-void DampImplicitly(const mjModel* m, mjData* d, mjtNum* force, Scratch& scratch) {
-  const int nv = static_cast<int>(m->nv);
-  mjtNum* x = scratch.Take<mjtNum>(nv);
-  mju_copy(x, force, nv);
-  SolveDamped(m, d, m->opt.timestep, x, scratch);
-  // M x = f − h B x
-  for (int i = 0; i < nv; ++i) force[i] -= m->opt.timestep * m->dof_damping[i] * x[i];
+// a ← (M + h B)⁻¹ M a: what implicit damping leaves of an acceleration. A light joint with strong
+// damping, h B ≫ M, would by a alone be expected to turn back within the step.
+void DampImplicitly(const mjModel* m, mjData* d, mjtNum* acceleration, Scratch& scratch) {
+  mjtNum* x = scratch.Take<mjtNum>(m->nv);
+  mju_copy(x, acceleration, static_cast<int>(m->nv));
+  mj_mulM(m, d, acceleration, x);
+  SolveDamped(m, d, m->opt.timestep, acceleration, scratch);
 }
 
 }  // namespace
@@ -84,9 +82,15 @@ Motion PredictMotion(const mjModel* m, mjData* d, const Mobility& mobility, Scra
     mj_fwdActuation(m, d);
     mju_addTo(force, d->qfrc_actuator, nv);
   }
-  if (ImplicitDamping(m) && HasDamping(m)) DampImplicitly(m, d, force, scratch);
-  mobility.Solve(motion.acceleration, force);
-  mobility.AddReference(motion.acceleration);
+  mjtNum* a = motion.acceleration;
+  SolveInertia(m, d, a, force);
+  // damping comes before the answer of the ties with `discrete`, and on top of it with the others
+  const bool damped = ImplicitDamping(m) && HasDamping(m);
+  const bool before = m->opt.integrator == mjINT_DISCRETE;
+  if (damped && before) DampImplicitly(m, d, a, scratch);
+  mobility.Tie(a);
+  mobility.AddReference(a);
+  if (damped && !before) DampImplicitly(m, d, a, scratch);
   const mjtNum lead = m->opt.integrator == mjINT_RK4 ? 0 : 0.5 * m->opt.timestep;
   mju_addScl(motion.velocity, d->qvel, motion.acceleration, lead, nv);
   mju_zero(force, nv);

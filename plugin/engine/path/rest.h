@@ -10,9 +10,11 @@
 // closes, and no more than 1.5 g: a light foot on a strong joint is pressed by hundreds of m/s²
 // until it lands, and its landing is an impact. Where bodies overlap and the solver carries them
 // already, a is at least that, for what presses them may come through others, and as much as
-// presses either body. Nothing presses the balls of a cradle: there every closing is an impact. g
-// is the gravity of the scene or, without it, that of the earth if anything else may press:
-// actuators, springs, applied forces.
+// presses either body. Nor is a contact an impact that overlaps by more than it closes in two
+// steps: it has been pressed for longer, by what no impulse on its bodies turns back, such as a
+// trunk on a leg at the stop of its joint. Nothing presses the balls of a cradle: there every
+// closing is an impact. g is the gravity of the scene or, without it, that of the earth if anything
+// else may press: actuators, springs, applied forces.
 
 #ifndef MUJOCO_IMPACT_ENGINE_PATH_REST_H_
 #define MUJOCO_IMPACT_ENGINE_PATH_REST_H_
@@ -33,9 +35,11 @@ inline mjtNum RestSpeed(const mjModel* m, const mjData* d, mjtNum pressing) {
   return std::min(2 * m->opt.timestep * pressing, LargestRestSpeed(m, d));
 }
 
-// u_rest of a contact that MuJoCo carries, each of its bodies pressed by up to `pressing` [m/s].
-inline mjtNum CarriedRestSpeed(const mjModel* m, const mjData* d, mjtNum pressing) {
-  return std::max(2 * m->opt.timestep * pressing, LargestRestSpeed(m, d));
+// u_rest of a contact that MuJoCo carries, each of its bodies pressed by up to `pressing`, with an
+// overlap y: max(2 h a, y / 2h) [m/s].
+inline mjtNum CarriedRestSpeed(const mjModel* m, const mjData* d, mjtNum pressing, mjtNum overlap) {
+  const mjtNum h = m->opt.timestep;
+  return std::max({2 * h * pressing, LargestRestSpeed(m, d), overlap / (2 * h)});
 }
 
 }  // namespace mujoco_impact::engine

@@ -147,7 +147,7 @@ bool Stops::FindHeld(const Mobility& ties, const mjtNum* velocity, const mjtNum*
   // A = J_s M̃⁻¹ J_sᵀ, and Λ ≥ 0 with A Λ ≥ −J_s Δv − room
   for (int i = 0; i < n; ++i) {
     SolveTouchedTrees(m_, d_, answer, stop_[i].row);
-    if (ties.ties() > 0) ties.Tie(answer);
+    ties.Tie(answer);
     for (int j = 0; j < n; ++j) {
       A[i * n + j] = mju_dot(stop_[j].row, answer, nv);
       column[i * n + j] = j;

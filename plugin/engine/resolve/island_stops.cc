@@ -32,7 +32,7 @@ bool Resolver::ChangesStops(const Outlook& outlook, const ImpactTime& time,
     end = std::max(end, impact.onset + impact.duration);
     at_once = at_once && impact.at_once;
   }
-  if (mobility_.ties() > 0) mobility_.Tie(change);
+  mobility_.Tie(change);
   const mjtNum* velocity = SettledVelocity(m_, outlook, there_ ? 0 : time.tau, scratch);
   if (stops_.FindHeld(mobility_, velocity, change, end - time.start - time.tau, at_once))
     return true;

@@ -60,7 +60,7 @@ void Struck::AddStop(const Mobility& ties, int i, mjtNum delivered, mjtNum rest,
   Scratch scratch(d_);
   mjtNum* kick = scratch.Take<mjtNum>(m_->nv);
   mju_copy(kick, ties.answer(i), m_->nv);
-  if (mobility_.ties() > 0) mobility_.Tie(kick);
+  mobility_.Tie(kick);
   mju_addToScl(kicked_.velocity, kick, delivered, m_->nv);
   mju_addToScl(owed_, kick, rest, m_->nv);
   ties.ForTrees(i, [this, end](int tree, int) {

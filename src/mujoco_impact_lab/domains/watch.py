@@ -1,0 +1,164 @@
+"""What is seen of an environment while it runs."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import mujoco
+import numpy as np
+
+from mujoco_impact.impact import Impact
+from mujoco_impact.pulses import PulseReader
+from mujoco_impact.trajectory import Array
+
+_WORK = 15
+"""Of the header of the plugin's state: the work of the last step over its budget."""
+
+
+@dataclasses.dataclass
+class Watch:
+    """Looks at a model and its data after every step.
+
+    Attributes:
+        deepest: How far geoms were in each other [m].
+        fastest: Largest velocity of a degree of freedom [m/s, rad/s].
+        impacts: Impacts so far.
+        energy: Largest energy that the impacts of a step have added [J].
+        kinetic: Largest kinetic energy before an impact [J].
+        work: Work of the last step of the plugin, over what a step may do.
+    """
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    plain: mujoco.MjModel
+    deepest: float = 0.0
+    fastest: float = 0.0
+    impacts: int = 0
+    energy: float = 0.0
+    kinetic: float = 0.0
+    work: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Starts at the state of the data."""
+        self._pulses = PulseReader(self.model, self.data)
+        self._probe = mujoco.MjData(self.plain)
+        self._before: tuple[Array, Array, Array] | None = None
+
+    @property
+    def recorded(self) -> list[Impact]:
+        """The impacts."""
+        return self._pulses.impacts
+
+    def before_step(self) -> None:
+        """Notes the state that the step starts from."""
+        data = self.data
+        self._before = data.qpos.copy(), data.qvel.copy(), data.act.copy()
+
+    def after_step(self) -> None:
+        """Looks at what the step did: the contacts are those of its start."""
+        data = self.data
+        if data.ncon:
+            self.deepest = max(self.deepest, -float(data.contact.dist.min()))
+        self.fastest = max(self.fastest, float(np.abs(data.qvel).max()))
+        if self.model.nplugin:
+            address = self.model.plugin_stateadr[0] + _WORK
+            self.work = float(data.plugin_state[address])
+        self._pulses.poll()
+        new = self.recorded[self.impacts :]
+        self.impacts += len(new)
+        if new and self._before is not None:
+            self.judge(new, *self._before)
+
+    def judge(
+        self, impacts: list[Impact], qpos: Array, qvel: Array, act: Array
+    ) -> None:
+        """Follows the bodies from impact to impact with the impulses of the record.
+
+        The contacts and joint limits that carry them meanwhile are left out.
+        An impulse p = J'P on bodies with the velocity v adds p.v + p.(p/M)/2.
+        """
+        model, probe = self.plain, self._probe
+        h = float(model.opt.timestep)
+        start = self.data.time - h
+        probe.qpos[:], probe.qvel[:], probe.act[:] = qpos, qvel, act
+        probe.ctrl[:] = self.data.ctrl
+        mujoco.mj_forward(model, probe)
+        smooth = _Ties(model, probe).acceleration(probe.qfrc_smooth)
+        # the path of the semi-implicit integrators
+        euler = model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4
+        velocity = qvel + (h / 2 * smooth if euler else 0.0)
+        first, added, now = True, 0.0, 0.0
+        push, product = np.zeros(model.nv), np.zeros(model.nv)
+        for impact in sorted(impacts, key=lambda one: one.time):
+            time = min(max(impact.time - start, 0.0), h)
+            mujoco.mj_integratePos(model, probe.qpos, velocity, time - now)
+            velocity = velocity + (time - now) * smooth
+            now = time
+            mujoco.mj_fwdPosition(model, probe)
+            if first:
+                mujoco.mj_mulM(model, probe, product, velocity)
+                self.kinetic = max(self.kinetic, float(velocity @ product) / 2)
+                first = False
+            impulse = impact.impulse * np.array(impact.normal)
+            impulse += np.array(impact.tangential_impulse)
+            push[:] = 0.0
+            for sign, geom in zip((-1, 1), impact.geoms, strict=True):
+                body = int(model.geom_bodyid[self._geom(geom)])
+                mujoco.mj_applyFT(
+                    model,
+                    probe,
+                    sign * impulse,
+                    np.zeros(3),
+                    np.array(impact.position),
+                    body,
+                    push,
+                )
+            change = _Ties(model, probe).change(push)
+            added += float(push @ velocity + push @ change / 2)
+            velocity = velocity + change
+        self.energy = max(self.energy, added)
+
+    def _geom(self, name: str) -> int:
+        """Returns the number of a geom of a record."""
+        if name.startswith("geom "):
+            return int(name[5:])
+        return int(self.model.geom(name).id)
+
+
+class _Ties:
+    """What a force changes the velocities by in a step, over h.
+
+    Equality constraints with the rows J answer a force f on the bodies as they are,
+    and Euler's step divides both by the inertia with the damping B of the joints:
+
+        f_J = J' (J M^-1 J' + R)^-1 (a_ref - J M^-1 f),  a = (M + h B)^-1 (f + f_J)
+    """
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Takes the inertia and the rows as `data` has them."""
+        inertia = np.zeros((model.nv, model.nv))
+        for row, unit in zip(inertia, np.eye(model.nv), strict=True):
+            mujoco.mj_mulM(model, data, row, unit)
+        damped = inertia.copy()
+        if model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4:
+            damped += np.diag(float(model.opt.timestep) * model.dof_damping)
+        self._damped = np.linalg.inv(damped)
+        rows = np.zeros((data.ne, model.nv))
+        for row, unit in zip(rows, np.eye(data.nefc), strict=False):
+            mujoco.mj_mulJacTVec(model, data, row, unit)
+        self._rows, self._reference = rows, data.efc_aref[: data.ne].copy()
+        self._answer = rows @ np.linalg.inv(inertia)
+        held = self._answer @ rows.T + np.diag(data.efc_R[: data.ne])
+        self._held = np.linalg.inv(held)
+
+    def change(self, push: Array) -> Array:
+        """Returns what an impulse changes the velocity by, shape (nv,)."""
+        tied = self._rows.T @ (self._held @ (self._answer @ push))
+        changed: Array = self._damped @ (push - tied)
+        return changed
+
+    def acceleration(self, force: Array) -> Array:
+        """Returns the acceleration under a force, shape (nv,)."""
+        pull = self._rows.T @ (self._held @ self._reference)
+        result: Array = self.change(force) + self._damped @ pull
+        return result
