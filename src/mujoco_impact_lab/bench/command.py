@@ -89,7 +89,7 @@ def friction(
             )
         files = benchmark.write_friction(results, out)
         if page is not None:
-            benchmark.write_page(results, page)
+            benchmark.write_page(out / "results.json", page)
         typer.echo(benchmark.friction_table(results))
         typer.echo(benchmark.friction_failures(results))
         typer.echo(f"{len(files)} files in {out}")

@@ -10,7 +10,7 @@ from mujoco_impact.text import markdown_table
 from mujoco_impact_lab.bench.mujoco_methods import OURS
 from mujoco_impact_lab.bench.page import HEADINGS, cells, short_error, with_table
 from mujoco_impact_lab.bench.points import Point, front_of
-from mujoco_impact_lab.bench.results import Results
+from mujoco_impact_lab.bench.results import Results, read_results
 from mujoco_impact_lab.bench.summary import summarize
 
 BEGIN = "<!-- written by scripts/bench from docs/benchmarks/friction/results.json -->"
@@ -51,10 +51,10 @@ def friction_failures(results: Results) -> str:
     return "\n".join(lines)
 
 
-def write_page(results: Results, page: Path) -> None:
-    """Writes the table into a page, between its comments."""
-    text = page.read_text(encoding="utf-8")
-    text = with_table(text, friction_table(results), BEGIN)
+def write_page(results: Path, page: Path) -> None:
+    """Writes the table of a `results.json`, rounded as it is, into a page."""
+    table = friction_table(read_results(results))
+    text = with_table(page.read_text(encoding="utf-8"), table, BEGIN)
     page.write_text(text, encoding="utf-8")
 
 
