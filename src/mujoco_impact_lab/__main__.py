@@ -7,7 +7,7 @@ from pathlib import Path
 import typer
 
 from mujoco_impact.cli.output import clean_errors
-from mujoco_impact_lab.bench.command import bench
+from mujoco_impact_lab.bench.command import bench, friction
 from mujoco_impact_lab.stress.command import stress
 
 app = typer.Typer(
@@ -19,6 +19,7 @@ app = typer.Typer(
     rich_markup_mode="markdown",
 )
 app.command()(bench)
+app.command()(friction)
 app.command()(stress)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,19 +47,22 @@ OUR_FACES = {"Euler": "crimson", "implicitfast": "mistyrose", "RK4": "white"}
 """Faces of our markers by integrator."""
 
 
-def draw_charts(results: Results, folder: Path) -> tuple[Path, ...]:
+def draw_charts(
+    results: Results, folder: Path, errors: Mapping[str, str] = ERRORS
+) -> tuple[Path, ...]:
     """Draws one picture per scene; returns their paths.
 
     Args:
         results: What to draw.
         folder: Where to write, must exist.
+        errors: Names of the errors that are drawn, and their labels.
 
     Raises:
         MissingExtraError: If matplotlib is not installed.
     """
     paths = list[Path]()
     for scene in results.scenes:
-        figure = _scene_figure(results, scene)
+        figure = _scene_figure(results, scene, errors)
         path = folder / f"{scene}.png"
         with replacing(path) as part:
             figure.savefig(part, dpi=110)
@@ -67,15 +70,16 @@ def draw_charts(results: Results, folder: Path) -> tuple[Path, ...]:
     return tuple(paths)
 
 
-def _scene_figure(results: Results, scene: str) -> Figure:
+def _scene_figure(results: Results, scene: str, errors: Mapping[str, str]) -> Figure:
     """Returns the figure of a scene: one panel for each error that is known."""
     points = results.of_scene(scene)
-    drawn = [error for error in ERRORS if any(drawable(p, error) for p in points)]
+    drawn = [error for error in errors if any(drawable(p, error) for p in points)]
     panels = max(1, len(drawn))
     figure = new_figure(2.0 + 5.5 * panels, 6.6)
     axes: Any = figure.subplots(1, panels, squeeze=False)[0]
     for axis, error in zip(axes, drawn, strict=False):
         _draw_panel(axis, points, error, results.methods)
+        axis.set_ylabel(errors[error])
     handles: dict[str, Any] = {}
     for axis in axes:
         lines, labels = axis.get_legend_handles_labels()
@@ -128,7 +132,6 @@ def _draw_panel(
         xscale="log",
         yscale="log",
         xlabel="run time / run time of MuJoCo's defaults at 2 ms",
-        ylabel=ERRORS[error],
     )
     axis.grid(alpha=0.25, which="major")
 

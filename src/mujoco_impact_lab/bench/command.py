@@ -1,4 +1,4 @@
-"""The command `bench`."""
+"""The commands `bench` and `friction`."""
 
 from __future__ import annotations
 
@@ -60,3 +60,36 @@ def bench(
         console_of(json_file).out(f"\n{len(files)} files in {out}")
         if stopped is not None:
             raise stopped
+
+
+def friction(
+    out: Annotated[
+        Path, typer.Option(help="Folder for results.csv, results.json and charts.")
+    ] = Path("benchmarks/friction"),
+    page: Annotated[
+        Path | None, typer.Option(help="Markdown page that has a place for the table.")
+    ] = None,
+    scenes: Annotated[
+        str | None, typer.Option(help="Scenes, separated by commas [default: all].")
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Only one setting of each method.")
+    ] = False,
+) -> None:
+    """Measure run time against error of impacts with friction, and draw the charts."""
+    from mujoco_impact_lab.bench import friction as benchmark
+
+    with clean_errors():
+        require_matplotlib()
+        with progress(None) as report:
+            results = benchmark.run_friction(
+                scenes=None if scenes is None else scenes.split(","),
+                quick=quick,
+                progress=report,
+            )
+        files = benchmark.write_friction(results, out)
+        if page is not None:
+            benchmark.write_page(out / "results.json", page)
+        typer.echo(benchmark.friction_table(results))
+        typer.echo(benchmark.friction_failures(results))
+        typer.echo(f"{len(files)} files in {out}")

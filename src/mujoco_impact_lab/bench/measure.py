@@ -5,6 +5,9 @@ from __future__ import annotations
 import dataclasses
 import math
 import statistics
+from collections.abc import Callable
+from functools import partial
+from typing import Protocol, TypeVar
 
 from mujoco_impact.errors import ImpactError
 from mujoco_impact_lab.bench.methods import Candidate
@@ -42,56 +45,58 @@ class Effort:
 QUICK = Effort(repeats=3, budget=0.1, least=1)
 
 
-class SceneBench:
-    """One scene: its truth, and the run that every other one is compared with."""
+class Timed(Protocol):
+    """What can be run for its time."""
 
-    def __init__(self, scene: BenchScene, truth: Truth, effort: Effort) -> None:
-        """Prepares the scene.
+    def run_time(self) -> float:
+        """Runs once from the start and returns the wall-clock time [s]."""
+
+
+S = TypeVar("S", bound=Timed)
+
+
+class Race:
+    """Points of one scene: errors, and run times in turn with those of one run."""
+
+    def __init__(self, base: Timed, duration: float, effort: Effort) -> None:
+        """Runs once, to warm up.
 
         Args:
-            scene: The scene.
-            truth: Its truth.
+            base: The run whose time all others are compared with.
+            duration: Simulated time of every run [s].
             effort: How thoroughly to time.
         """
-        self.scene = scene
-        self.truth = truth
+        self._base = base
+        self._duration = duration
         self._effort = effort
-        self._base = MujocoSimulation(scene, scene.spec())
-        timed(self._base)
+        timed(base)
 
-    def point(self, candidate: Candidate) -> Point:
-        """Measures one candidate; a failure is a result."""
-        blank = Point(
-            scene=self.scene.name,
-            method=candidate.method,
-            setting=candidate.setting,
-            integrator=candidate.integrator,
-            timestep=math.nan if candidate.timestep is None else candidate.timestep,
-            comparable=candidate.comparable,
-        )
+    def point(
+        self, blank: Point, build: Callable[[], S], errors: Callable[[S], Errors]
+    ) -> Point:
+        """Measures one way of simulating the scene; a failure is a result.
+
+        Args:
+            blank: The point without numbers.
+            build: Makes the simulation.
+            errors: Runs it and compares the motion with the truth.
+        """
         try:
-            simulation = candidate.build(self.scene, self.truth)
-            errors = self._errors(simulation)
+            simulation = build()
+            found = errors(simulation)
         except ImpactError as error:
             return dataclasses.replace(blank, failure=" ".join(str(error).split()))
         cost, run_time = self._cost(simulation)
         return dataclasses.replace(
             blank,
             cost=cost,
-            run_time=run_time / self.scene.duration,
-            velocity_error=errors.velocity,
-            angle_rms=errors.angle_rms,
-            energy_drift=errors.energy_drift,
+            run_time=run_time / self._duration,
+            velocity_error=found.velocity,
+            angle_rms=found.angle_rms,
+            energy_drift=found.energy_drift,
         )
 
-    def _errors(self, simulation: Simulation) -> Errors:
-        """Runs once and compares the motion with the truth."""
-        samples = simulation.record()
-        if isinstance(simulation, MujocoSimulation) and not self.scene.is_row:
-            return string_errors(self.scene, self.truth, simulation, samples)
-        return row_errors(self.scene, self.truth, samples)
-
-    def _cost(self, simulation: Simulation) -> tuple[float, float]:
+    def _cost(self, simulation: Timed) -> tuple[float, float]:
         """Returns cost ratio and run time [s], medians."""
         ratios, times = list[float](), list[float]()
         spent, before = 0.0, timed(self._base)
@@ -108,7 +113,44 @@ class SceneBench:
         return statistics.median(ratios), statistics.median(times)
 
 
-def timed(simulation: Simulation) -> float:
+class SceneBench:
+    """One scene of balls in a row: its truth, and the run to compare with."""
+
+    def __init__(self, scene: BenchScene, truth: Truth, effort: Effort) -> None:
+        """Prepares the scene.
+
+        Args:
+            scene: The scene.
+            truth: Its truth.
+            effort: How thoroughly to time.
+        """
+        self.scene = scene
+        self.truth = truth
+        base = MujocoSimulation(scene, scene.spec())
+        self._race = Race(base, scene.duration, effort)
+
+    def point(self, candidate: Candidate) -> Point:
+        """Measures one candidate; a failure is a result."""
+        blank = Point(
+            scene=self.scene.name,
+            method=candidate.method,
+            setting=candidate.setting,
+            integrator=candidate.integrator,
+            timestep=math.nan if candidate.timestep is None else candidate.timestep,
+            comparable=candidate.comparable,
+        )
+        build = partial(candidate.build, self.scene, self.truth)
+        return self._race.point(blank, build, self._errors)
+
+    def _errors(self, simulation: Simulation) -> Errors:
+        """Runs once and compares the motion with the truth."""
+        samples = simulation.record()
+        if isinstance(simulation, MujocoSimulation) and not self.scene.is_row:
+            return string_errors(self.scene, self.truth, simulation, samples)
+        return row_errors(self.scene, self.truth, samples)
+
+
+def timed(simulation: Timed) -> float:
     """Returns the run time [s]; of short runs the fastest of several."""
     fastest = spent = simulation.run_time()
     while spent < SHORTEST_TIMING:

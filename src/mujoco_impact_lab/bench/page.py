@@ -39,47 +39,52 @@ HEADINGS = (
 def page_table(points: Sequence[Point]) -> str:
     """Returns the table in Markdown, one line per scene that has points of ours."""
     shown = (
-        _cells(row)
+        cells(row, SCENES[row.scene].title)
         for row in summarize(points)
         if row.scene in SHOWN and row.error == "velocity_error"
     )
     return markdown_table(HEADINGS, shown)
 
 
-def with_table(text: str, table: str) -> str:
+def with_table(text: str, table: str, begin: str = BEGIN) -> str:
     """Returns a page with the table between its two comments.
+
+    Args:
+        text: The page.
+        table: The table in Markdown.
+        begin: The comment before it; `END` is the one after it.
 
     Raises:
         ResultsError: If a comment is missing.
     """
-    before, begin, rest = text.partition(f"{BEGIN}\n")
+    before, found, rest = text.partition(f"{begin}\n")
     _, end, after = rest.partition(END)
-    if not begin or not end:
-        msg = f"the table has no place: {BEGIN!r} and {END!r} must stand in the text"
+    if not found or not end:
+        msg = f"the table has no place: {begin!r} and {END!r} must stand in the text"
         raise ResultsError(msg)
-    return f"{before}{begin}{table}{end}{after}"
+    return f"{before}{found}{table}{end}{after}"
 
 
-def _cells(row: Summary) -> tuple[str, ...]:
-    """Returns the cells of a line."""
+def cells(row: Summary, title: str) -> tuple[str, ...]:
+    """Returns the cells of a line, as `HEADINGS` names them."""
     engine = "-"
     if math.isfinite(row.engine):
         name = ENGINES.get(row.engine_name, row.engine_name)
-        engine = f"{_error(row.engine)} ({name}, {row.engine_cost:.2g})"
+        engine = f"{short_error(row.engine)} ({name}, {row.engine_cost:.2g})"
     # "ours, 2 ms, Euler": the heading says the first word
     setting = row.setting.partition(", ")[2]
     return (
-        SCENES[row.scene].title,
+        title,
         setting,
         f"{row.cost:.2f}",
-        _error(row.ours),
-        _error(row.default),
-        _error(row.mujoco),
+        short_error(row.ours),
+        short_error(row.default),
+        short_error(row.mujoco),
         engine,
     )
 
 
-def _error(value: float) -> str:
+def short_error(value: float) -> str:
     """Returns an error to one digit, as in 5e-6 or 0.4."""
     if math.isnan(value):
         return "-"

@@ -43,7 +43,7 @@ class BulletRow(SteppedEngine):
 
     def _make(self) -> None:
         """Makes the world and hangs the balls into it."""
-        with _standard_output_to_error():
+        with standard_output_to_error():
             import pybullet
             from pybullet_utils.bullet_client import BulletClient
 
@@ -105,7 +105,7 @@ class BulletRow(SteppedEngine):
 
 
 @contextlib.contextmanager
-def _standard_output_to_error() -> Iterator[None]:
+def standard_output_to_error() -> Iterator[None]:
     """Moves what the library prints when it is loaded out of the way of `--json -`."""
     sys.stdout.flush()
     saved = os.dup(1)
