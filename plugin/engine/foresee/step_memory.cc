@@ -4,6 +4,7 @@
 
 #include "engine/foresee/gather.h"
 #include "engine/foresee/narrow_phase.h"
+#include "engine/scene/materials.h"
 
 namespace mujoco_impact::engine {
 
@@ -22,7 +23,8 @@ bool StepFits(const mjModel* m, const mjData* d, const Scratch& scratch) {
     asks = asks || !follows;
   }
   const size_t vectors = (kVectors * numbers + 4 * m->nC + 10 * m->nbody) * sizeof(mjtNum);
-  return scratch.Fits(vectors + points * kGatheredBytes + (asks ? NarrowPhaseBytes(m) : 0));
+  return scratch.Fits(vectors + MaterialBytes(m) + points * kGatheredBytes +
+                      (asks ? NarrowPhaseBytes(m) : 0));
 }
 
 }  // namespace mujoco_impact::engine

@@ -149,7 +149,9 @@ void Mobility::AddForces(const mjtNum* force, mjtNum* x) const {
 void Mobility::AddReference(mjtNum* a) const {
   if (ties_ == 0) return;
   mjtNum* force = work_;
-  SolveTies(force, reference_);
+  mju_zero(force, ties_);
+  mju_copy(force, reference_, ties_ - stops_);
+  mju_cholSolve(force, factor_, force, ties_);
   AddForces(force, a);
 }
 

@@ -38,9 +38,9 @@ class Stops {
   // ties alone, by `change` M̃⁻¹ Jᵀ P (nv each); whether they are others than before. A joint is at
   // a stop that it would reach in the first tenth of the way that it is pushed, unless it leaves it
   // faster than with a tenth of the push. If the impulses do not come `at_once`, it must be there
-  // already.
+  // already. `work` is what it took, in multiplications; none holds if it takes too long.
   bool FindHeld(const Mobility& ties, const mjtNum* velocity, const mjtNum* change, mjtNum time,
-                bool at_once);
+                bool at_once, double* work = nullptr);
 
   // Whether there are any, and how many hold.
   bool Any() const { return number_ > 0; }

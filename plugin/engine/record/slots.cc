@@ -106,6 +106,7 @@ void CommitPulses(State& state) {
       pulse.serial = -pulse.serial;
       header.pressed_until = std::max(header.pressed_until, pulse.parts_until());
     }
+    pulse.finishing = 0;
     pulse.delivered_last = pulse.delivered;
     pulse.delivered = pulse.delivered_next;
     pulse.scale = pulse.scale_next;

@@ -179,7 +179,7 @@ bool Resolver::SolveIsland(const Outlook& outlook, const ImpactTime& time, const
     Scratch scratch(d_);
     stiffer_ = stiffer;
     const IslandSolution island = TryIsland(outlook, time, position, count, scratch);
-    if (trial <= kTrials && ChangesStops(outlook, time, island)) {
+    if (trial <= kTrials && !budget_.IsSpent() && ChangesStops(outlook, time, island)) {
       if (trial == kTrials) stops_.Release();
       continue;
     }

@@ -34,8 +34,11 @@ bool Resolver::ChangesStops(const Outlook& outlook, const ImpactTime& time,
   }
   mobility_.Tie(change);
   const mjtNum* velocity = SettledVelocity(m_, outlook, there_ ? 0 : time.tau, scratch);
-  if (stops_.FindHeld(mobility_, velocity, change, end - time.start - time.tau, at_once))
-    return true;
+  double work = 0;
+  const bool changes =
+      stops_.FindHeld(mobility_, velocity, change, end - time.start - time.tau, at_once, &work);
+  budget_.Spend(work);
+  if (changes) return true;
   stops_.NoteStruck(velocity, change);
   return false;
 }

@@ -169,9 +169,9 @@ bool SolveWithinDepth(const mjModel* m, const Config& config, const IslandSystem
   return SetCommonPulse(m, system, time, EndOf(problem), problem);
 }
 
-// Friction of a contact alone that sticks: it stops the slip that the bodies have a time after v
-// was taken, Q = −W_tt⁻¹ (v + a t + W_tn P). A ball that falls straight down has no more for its
-// weight.
+// Friction of a contact alone that sticks: within its cone it stops the slip that the bodies have
+// when they part, a time t after v was taken, Q = −W_tt⁻¹ (v + a t + W_tn P). A ball that falls
+// straight down has no more for its weight.
 void StopSlip(const mjModel* m, const mjtNum* acceleration, mjtNum time, const IslandSystem& system,
               IslandProblem& problem) {
   const Tangents& tangents = *problem.tangents;
@@ -182,7 +182,9 @@ void StopSlip(const mjModel* m, const mjtNum* acceleration, mjtNum time, const I
               time * SegmentsTimes(m, tangents.row[i].segment, acceleration);
   }
   const law::Pair stop = law::Times(law::Inverse(law::Lifted(own.tt)), law::At(slip));
-  law::Put(tangents.impulse, -1 * stop);
+  const mjtNum size = std::hypot(stop[0], stop[1]);
+  const mjtNum most = tangents.friction.mu[0] * problem.impulse[0];
+  law::Put(tangents.impulse, (size > most ? -most / size : -1) * stop);
 }
 
 // Gravity goes on while bodies touch, and the contact carries them all the while, for the time W
@@ -197,14 +199,14 @@ void StopSlip(const mjModel* m, const mjtNum* acceleration, mjtNum time, const I
 void CountForcesMeanwhile(const mjModel* m, const IslandSystem& system, const mjtNum* acceleration,
                           mjtNum seen, IslandProblem& problem) {
   constexpr mjtNum kMost = 0.1;  // beyond, bodies are pressed and not struck
-  mjtNum work = 0, meanwhile = 0, until = 0;
+  mjtNum work = 0, meanwhile = 0;
   for (int k = 0; k < problem.size; ++k) {
     if (problem.impulse[k] <= 0) continue;
     // t' / t; what hardly parts stays in touch longer than that, and is carried by MuJoCo
     const mjtNum after = 1 / std::max<mjtNum>(problem.restitution[k], 0.2);
     work += problem.closing_speed[k] * problem.impulse[k];
-    until = problem.impulse[k] * (problem.onset[k] - seen) +
-            after * (problem.moment[k] - problem.onset[k] * problem.impulse[k]);
+    const mjtNum until = problem.impulse[k] * (problem.onset[k] - seen) +
+                         after * (problem.moment[k] - problem.onset[k] * problem.impulse[k]);
     meanwhile -= RowTimes(m, system.row[k], acceleration) * until;
   }
   if (work <= 0 || std::abs(meanwhile) > kMost * work) return;
@@ -218,7 +220,7 @@ void CountForcesMeanwhile(const mjModel* m, const IslandSystem& system, const mj
   const mjtNum *before = problem.tangents->friction.slip, *slip = problem.tangents->after;
   const bool sticks = std::hypot(slip[0], slip[1]) <= kStopped * std::hypot(before[0], before[1]);
   if (problem.size == 1 && sticks && !mju_isZero(friction, 2)) {
-    StopSlip(m, acceleration, until / problem.impulse[0], system, problem);
+    StopSlip(m, acceleration, problem.onset[0] + problem.duration[0] - seen, system, problem);
   }
 }
 

@@ -83,10 +83,14 @@ class Reader {
     if (!error_ || error_->message[0]) return;
     // of a long value the beginning, so that there is room for what is allowed
     constexpr int kShown = 120;
-    const bool cut = std::strlen(Text(name)) > kShown;
+    const std::string_view text = Text(name);
+    const int shown = ShownLength(text, kShown);
+    const bool cut = shown < static_cast<int>(text.size());
     std::snprintf(error_->message, sizeof(error_->message),
                   "mujoco_impact.waveform: attribute '%s' = '%.*s%s' is refused%s; allowed: %s",
-                  name, kShown, Text(name), cut ? "..." : "", note, allowed);
+                  name, shown, text.data(), cut ? "..." : "", note, allowed);
+    // MuJoCo cuts its errors off at 500 bytes, wherever that is
+    error_->message[ShownLength(error_->message, 450)] = '\0';
   }
 
   double Number(const NumberRule& rule) {
@@ -228,6 +232,10 @@ const int kAttributeCount = sizeof(kAttributes) / sizeof(kAttributes[0]);
 
 const char* MaterialsText(const mjModel* m, int instance) {
   return Reader(m, instance, nullptr).Text(kMaterials);
+}
+
+const char* PairsText(const mjModel* m, int instance) {
+  return Reader(m, instance, nullptr).Text(kPairs);
 }
 
 Material UsualMaterial(const Config& config) {

@@ -56,8 +56,9 @@ struct ConfigError {
   char message[512];
 };
 
-// The text of the attribute `materials` alone.
+// The text of the attributes `materials` and `material_pairs` alone.
 const char* MaterialsText(const mjModel* m, int instance);
+const char* PairsText(const mjModel* m, int instance);
 
 // Reads the attributes of `instance`; with `error` also checks each and tells the first that is
 // bad. `owned` is the number of geoms the instance owns.

@@ -84,9 +84,7 @@ class EntryReader {
   // Remembers the first fault of all.
   void Refuse(std::string_view key, const char* allowed, std::string_view value) {
     if (!fault_ || fault_->note[0]) return;
-    const auto shown = [](std::string_view text) {
-      return static_cast<int>(std::min<size_t>(text.size(), 24));
-    };
+    const auto shown = [](std::string_view text) { return ShownLength(text, 24); };
     if (key.empty() && value.empty()) {
       std::snprintf(fault_->note, sizeof(fault_->note), " ('%.*s' must have %s)", shown(name_),
                     name_.data(), allowed);
@@ -176,7 +174,8 @@ void ReadMaterials(std::string_view text, const Material& usual, Material* mater
     }
     material.compliance = law::Compliance(material.young, material.poisson);
     const auto same = [&](const Material& one) { return one.name == material.name; };
-    if (std::any_of(materials, materials + count, same)) reader.Refuse("", "one entry", "");
+    if (fault && std::any_of(materials, materials + count, same))
+      reader.Refuse("", "one entry", "");
     ++count;
   }
 }
@@ -200,7 +199,8 @@ void ReadPairs(std::string_view text, const Material& usual, MaterialPair* pairs
           "restitution, restitution_loss, restitution_table, friction or modulus = ...");
     }
     const auto same = [&](const MaterialPair& one) { return one.IsOf(pair.name[0], pair.name[1]); };
-    if (std::any_of(pairs, pairs + count, same)) reader.Refuse("", "one entry of the pair", "");
+    if (fault && std::any_of(pairs, pairs + count, same))
+      reader.Refuse("", "one entry of the pair", "");
     ++count;
   }
 }

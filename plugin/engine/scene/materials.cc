@@ -24,6 +24,15 @@ double FrictionOf(const mjModel* m, int geom, const Material& material) {
 
 }  // namespace
 
+size_t MaterialBytes(const mjModel* m) {
+  size_t bytes = 0, pairs = 0;
+  for (int instance = 0; instance < m->nplugin; ++instance) {
+    bytes += CountEntries(MaterialsText(m, instance)) * sizeof(Material);
+    pairs = std::max<size_t>(pairs, CountEntries(PairsText(m, instance)));
+  }
+  return bytes == 0 ? 0 : bytes + pairs * sizeof(MaterialPair) + m->ngeom * sizeof(Material*);
+}
+
 Materials::Materials(const mjModel* m, int instance, const Config& config, Scratch& scratch)
     : m_(m), config_(config), elastic_(config.restitution == 1) {
   // the tuple of this instance has the last word, before it the first of the others

@@ -26,6 +26,9 @@
 
 namespace mujoco_impact::engine {
 
+// Bytes of scratch that they take, at most.
+size_t MaterialBytes(const mjModel* m);
+
 class Materials {
  public:
   Materials(const mjModel* m, int instance, const Config& config, Scratch& scratch);

@@ -67,4 +67,11 @@ int ReadList(std::string_view text, double* values, int size) {
   }
 }
 
+int ShownLength(std::string_view text, int most) {
+  int length = static_cast<int>(std::min<size_t>(text.size(), most));
+  const auto continues = [&](int i) { return (text[i] & 0xC0) == 0x80; };
+  while (length > 0 && length < static_cast<int>(text.size()) && continues(length)) --length;
+  return length;
+}
+
 }  // namespace mujoco_impact::engine

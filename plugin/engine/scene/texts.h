@@ -32,6 +32,10 @@ std::string_view TakePart(std::string_view& text, char separator);
 // The next word, empty at the end, which is taken off `text`.
 std::string_view TakeWord(std::string_view& text);
 
+// Length of the beginning of a text that has at most `most` bytes and no part of a character of
+// UTF-8.
+int ShownLength(std::string_view text, int most);
+
 }  // namespace mujoco_impact::engine
 
 #endif  // MUJOCO_IMPACT_ENGINE_SCENE_TEXTS_H_
