@@ -29,8 +29,8 @@ BYTES = 3_000_000
 HEAD = """# Gallery
 
 {count} scenes, each with the code that runs it, and its MJCF where it has a file. In a
-clone of this repository the code works as it stands. With
-`motion.render(spec, "scene.webp")` at its end it draws the picture, too: red arrows are
+clone of this repository the code works as it stands. Where it makes a `motion`,
+`motion.render(spec, "scene.webp")` at its end draws the scene, too: red arrows are
 impulses. `scripts/gallery` draws all of them."""
 
 COLUMNS = 5

@@ -97,7 +97,18 @@ def _materials_of_geoms(
     """Returns the material of each geom; a name counts more than a pattern."""
     result: dict[str, str] = {}
     said_by: dict[str, str] = {}
+    if not isinstance(assign, Mapping) or not all(
+        isinstance(key, str) for key in assign
+    ):
+        msg = f"assign={assign!r} must be names of geoms with those of their materials"
+        raise ConfigError(msg)
     for key, material in assign.items():
+        if not isinstance(material, str):
+            msg = (
+                f"assign: {key!r} needs the name of a material, not {material!r}; give "
+                f"your own in materials={{'mine': ...}} and assign={{{key!r}: 'mine'}}"
+            )
+            raise ConfigError(msg)
         if material not in known:
             msg = f"assign: geom {key!r} is of no known material {material!r}"
             raise ConfigError(msg + closest(str(material), known))

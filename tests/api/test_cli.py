@@ -117,7 +117,7 @@ def test_doctor_tells_what_is_missing(
         (("run", "row_3", "--speed", "-1"), "--speed -1.0: must be a speed > 0"),
         (("run", "row_3", "--keyframe", "top"), "no keyframe 'top'"),
         (("run", "row_3", "--duration", "-1"), "duration = -1.0"),
-        (("run", "row_3", "--native", "--set", "young=1"), "have no effect on"),
+        (("run", "row_3", "--native", "--set", "young=1"), "cannot change"),
         (("compare", "row_3", "--keyframe", "none"), "no impact within"),
         (("run", "row_3", "--json", "no/such/folder.json"), "No such file"),
     ],

@@ -139,3 +139,56 @@ def test_looking_ahead_changes_nothing_and_a_copied_state_goes_on():
         np.testing.assert_array_equal(other.qvel, data.qvel)
         assert data.mocap_pos[0, 0] == k * V * H
     assert data.sensor("impact").data[6] == 1
+
+
+PRESS = """
+<mujoco><option timestep="{timestep}" integrator="{integrator}"/>
+  <worldbody><geom type="plane" size="1 1 .1"/>
+    <body mocap="true" pos="0 0 .12"><geom type="box" size=".1 .1 .03"/></body>
+    <body pos="0 0 .04"><freejoint/><geom type="{shape}" size=".04 .04 .04"/></body>
+  </worldbody>
+</mujoco>"""
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("integrator", ["implicitfast", "RK4"])
+@pytest.mark.parametrize("timestep", [5e-4, 5e-3])
+@pytest.mark.parametrize("shape", ["box", "sphere"])
+def test_what_a_mocap_body_presses_on_the_floor_is_held(
+    shape, timestep, integrator, restitution
+):
+    """No impulse stops both contacts; bounces between them threw it at 1e25 m/s."""
+    xml = PRESS.format(timestep=timestep, integrator=integrator, shape=shape)
+    model = mujoco_impact.attach(xml, restitution=restitution).compile()
+    data = mujoco.MjData(model)
+    speed, fastest = 0.3, 0.0
+    for step in range(1, round(0.2 / timestep)):
+        # .1 mm lower than there is room
+        data.mocap_pos[0, 2] = max(0.12 - speed * step * timestep, 0.1099)
+        mujoco.mj_step(model, data)
+        fastest = max(fastest, np.abs(data.qvel).max())
+    # no faster than it is struck, elastically
+    assert fastest < 2.1 * speed
+    assert data.qpos[2] == pytest.approx(0.04, abs=1e-3)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.1, 0.5])
+def test_what_a_mocap_body_presses_against_a_joint_stop_is_held(restitution):
+    xml = """
+    <mujoco><option timestep=".005"/>
+      <worldbody>
+        <body mocap="true" pos=".15 -.06 0"><geom size=".02"/></body>
+        <body><joint axis="0 0 1" range="-90 0"/>
+          <geom type="box" size=".1 .01 .1" pos=".1 0 0"/></body>
+      </worldbody>
+    </mujoco>"""
+    model = mujoco_impact.attach(xml, restitution=restitution).compile()
+    data = mujoco.MjData(model)
+    fastest = 0.0
+    for step in range(600):
+        data.mocap_pos[0, 1] = min(-0.06 + 0.1 * step * 0.005, -0.0295)
+        mujoco.mj_step(model, data)
+        fastest = max(fastest, np.abs(data.qvel).max())
+    # .1 m/s at .15 m, elastically at most
+    assert 0.1 < fastest < 1.4
+    assert abs(data.qvel[0]) < 1e-3

@@ -79,8 +79,9 @@ size_t IslandBytes(const mjModel* m, const Mobility& mobility, const Gathered& c
   // the workspace of the law, and the list of α
   const size_t laws = law::ImpactNumbers(count, friction) * sizeof(double) +
                       law::ImpactIndices(count) * sizeof(int) + m->ngeom * sizeof(mjtNum);
-  // an IslandProblem and the lists of the Delassus matrix; what arrays are aligned by
-  constexpr size_t kPerContact = 16 * sizeof(mjtNum), kAlignment = 512;
+  // an IslandProblem, whether its contacts can be stopped, and the lists of the Delassus matrix;
+  // what arrays are aligned by
+  constexpr size_t kPerContact = 23 * sizeof(mjtNum), kAlignment = 512;
   const size_t tangents = friction ? TangentBytes(m, mobility, count, dofs, size) : 0;
   return kAlignment + laws + tangents + DelassusBytes(m, mobility, count, size) +
          count * (sizeof(ContactRow) + sizeof(Impact) + kPerContact) +

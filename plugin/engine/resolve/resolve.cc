@@ -14,6 +14,7 @@
 #include "law/impact_clock.h"
 #include "law/impact_law.h"
 #include "law/passivity.h"
+#include "law/stopping_impulses.h"
 #include "law/waveform.h"
 
 namespace mujoco_impact::engine {
@@ -253,6 +254,31 @@ mjtNum LossPerImpulse(const IslandSystem& system, const IslandProblem& problem) 
   return sum > 0 ? std::max<mjtNum>(0, -change) / sum : 0;
 }
 
+// Whether impulses can stop all contacts from closing. Where a mocap body presses another against
+// what cannot give way they cannot, and every bounce between the two would add its speed.
+bool CanStop(const mjModel* m, const IslandSystem& system, const IslandProblem& problem,
+             Budget& budget, Scratch& scratch) {
+  constexpr mjtNum kGives = 1e-6, kStopped = 1e-3, kFloor = 1e-6, kWorkOfRow = 1e4;
+  const int n = system.size;
+  const auto is_driven = [](const ContactRow& row) { return Norm(row.driven) > 0; };
+  if (std::none_of(system.row, system.row + n, is_driven)) return true;
+  for (int k = 0; k < n; ++k) {
+    // without what ties and joint stops take of it
+    mjtNum alone = 0;
+    for (const auto& [tree, jacobian, inverse_inertia] : system.row[k].segment) {
+      if (tree >= 0) alone += mju_dot(jacobian, inverse_inertia, m->tree_dofnum[tree]);
+    }
+    if (is_driven(system.row[k]) && system.delassus.diagonal[k] < kGives * alone) return false;
+  }
+  const mjtNum fastest = *std::max_element(problem.closing_speed, problem.closing_speed + n);
+  if (fastest <= 0) return true;
+  const auto arrays = static_cast<int>(law::StoppingImpulses::kArrays);
+  law::StoppingImpulses stopping(system.delassus, scratch.Take<mjtNum>(arrays * n));
+  stopping.Solve(problem.closing_speed, scratch.Zeros(n), kFloor * fastest, kWorkOfRow * n);
+  budget.Spend(stopping.work());
+  return *std::max_element(stopping.after(), stopping.after() + n) <= kStopped * fastest;
+}
+
 }  // namespace
 
 mjtNum IncomingMass(const mjModel* m, const IslandSystem& system, int k, const mjtNum* velocity) {
@@ -277,7 +303,7 @@ void ResolveIsland(const mjModel* m, const Config& config, const Materials& mate
   const int first = ReferenceOf(problem, time.first);
   const mjtNum speed = problem.closing_speed[first];
   std::fill_n(impacts, system.size, Impact{});
-  if (speed <= 0) return;
+  if (speed <= 0 || !CanStop(m, system, problem, budget, scratch)) return;
 
   // the law: impulses
   const mjtNum reduced_mass = 1 / system.delassus.diagonal[first];

@@ -265,7 +265,9 @@ def _notes(comparison: Comparison) -> list[str]:
         if pairs:
             shown = ", ".join(" and ".join(pair) for pair in pairs[:PAIRS_SHOWN])
             more = ", ..." if len(pairs) > PAIRS_SHOWN else ""
-            lines.append(f"{method.name}: {shown}{more} passed through each other")
+            lines.append(
+                f"{method.name}: {shown}{more} sank into each other past the middle"
+            )
     missed = [
         method.name
         for method in comparison.methods

@@ -65,7 +65,7 @@ def scene_of(
     if settings and (present or native):
         reason = "it runs with --native" if native else "it has the plugin already"
         given = _options_of(settings, speed_option)
-        raise ConfigError(f"{given} have no effect on {model!r}: {reason}")
+        raise ConfigError(f"{given} cannot change {model!r}: {reason}")
     if not 0 < settings.get("speed", 1.0) < float("inf"):
         msg = f"{speed_option} {settings['speed']}: must be a speed > 0 [m/s]"
         raise ConfigError(msg)

@@ -24,7 +24,7 @@ ARRIVED = 0.05
 
 
 def domino_row() -> FrictionScene:
-    """Returns eight dominoes, the first pushed; half a minute, for the truth."""
+    """Returns eight dominoes, the first pushed; its truth takes half a minute."""
     xml = cradle_models.dominoes(STONES)
     model = read_spec(xml).compile()
     place, push = model.key_qpos[0].copy(), model.key_qvel[0].copy()
