@@ -34,9 +34,8 @@ def test_robots_fall_about_as_deep_as_with_mujoco_and_gain_no_energy(robot, seco
     assert fall.impacts > 5
     assert other.impacts == 0
     assert fall.warnings == 0
-    # what carries bodies during an impact, and stops that joints reach meanwhile, are
-    # not followed: their work is below this
-    assert fall.energy_part < 3e-3
+    # what carries bodies during an impact is not followed: its work is below this
+    assert fall.energy_part < 1e-3
     # an impact turns back what MuJoCo lets sink in; the page has the worst of seeds
     assert fall.deepest < 1.2 * other.deepest
     assert fall.work > 0

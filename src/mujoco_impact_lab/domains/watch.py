@@ -16,8 +16,12 @@ _WORK = 15
 """Of the header of the plugin's state: the work of the last step over its budget."""
 
 
-_AT_END = 1e-4
-"""So far from the end of its range a joint reaches it in an impact [m or rad]."""
+_NEAR_END = 1e-2
+"""So far from the end of its range a joint may reach it in an impact [m or rad]."""
+
+_EARLY = 0.1
+"""A joint is at a stop that it reaches in this part of an impact, unless it leaves it
+faster than with this part of the push (plugin/engine/path/stops.h)."""
 
 
 _SAME_IMPACT = 0.05
@@ -113,7 +117,8 @@ class Watch:
             for impact in together:
                 self._add_push(impact, push)
             ties = _Ties(model, probe)
-            push += ties.stopped(push, _ends(model, probe))
+            lasts = max(impact.duration for impact in together)
+            push += ties.stopped(push, velocity, lasts, *_ends(model, probe))
             change = ties.change(push)
             added += float(push @ velocity + push @ change / 2)
             velocity = velocity + change
@@ -147,20 +152,21 @@ def _groups(impacts: list[Impact], time: float) -> list[list[Impact]]:
     return groups
 
 
-def _ends(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
-    """Returns a row for each hinge and slide that is at an end of its range."""
-    rows = []
+def _ends(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[Array, Array]:
+    """Returns a row and the gap of each end that a hinge or a slide is near."""
+    rows, gaps = [], []
     for joint in np.flatnonzero(model.jnt_limited):
         if model.jnt_type[joint] < int(mujoco.mjtJoint.mjJNT_SLIDE):
             continue
         value = data.qpos[model.jnt_qposadr[joint]]
         below, above = model.jnt_range[joint]
         for side, gap in ((1, value - below), (-1, above - value)):
-            if gap < _AT_END:
+            if gap < _NEAR_END:
                 row = np.zeros(model.nv)
                 row[model.jnt_dofadr[joint]] = side
                 rows.append(row)
-    return np.array(rows).reshape(-1, model.nv)
+                gaps.append(gap - model.jnt_margin[joint])
+    return np.array(rows).reshape(-1, model.nv), np.array(gaps)
 
 
 class _Ties:
@@ -195,22 +201,41 @@ class _Ties:
         changed: Array = self._damped @ (push - tied)
         return changed
 
-    def stopped(self, push: Array, ends: Array) -> Array:
+    def stopped(
+        self, push: Array, velocity: Array, lasts: float, rows: Array, gaps: Array
+    ) -> Array:
         """Returns what joints at the ends of their ranges answer, shape (nv,).
 
         Args:
             push: Impulse, shape (nv,).
-            ends: A row for each end, positive away from it, shape (n, nv).
+            velocity: Before it, shape (nv,).
+            lasts: For how long the impact lasts [s].
+            rows: A row for each end, positive away from it, shape (n, nv).
+            gaps: Distance from the end, shape (n,) [m or rad].
         """
-        if not len(ends):
+        if not len(rows):
             return np.zeros_like(push)
-        answer = np.array([self.change(row) for row in ends])
-        # 0 <= L, 0 <= A L + b, and one of them zero: the least |C L + b/C'|, A = C'C
-        factor = np.linalg.cholesky(ends @ answer.T + 1e-12 * np.eye(len(ends))).T
-        target = -np.linalg.solve(factor.T, ends @ self.change(push))
-        impulse, _ = scipy.optimize.nnls(factor, target)
-        result: Array = ends.T @ impulse
+        leaving = np.maximum(rows @ velocity, 0.0)
+        room = np.maximum(gaps - 1e-6, 0.0) / (_EARLY * lasts) + leaving / _EARLY
+        held = rows[self._answers(rows, self.change(push), room) > 0]
+        if not len(held):
+            return np.zeros_like(push)
+        impulse = self._answers(held, self.change(push), np.zeros(len(held)))
+        result: Array = held.T @ impulse
         return result
+
+    def _answers(self, rows: Array, change: Array, room: Array) -> Array:
+        """Returns L with 0 <= L, 0 <= A L + b, and one of them zero, shape (n,).
+
+        A = S M^-1 S' of the rows S, b = S change + room. It is the least
+        |C L + b/C'| with A = C'C.
+        """
+        matrix = rows @ np.array([self.change(row) for row in rows]).T
+        matrix += 1e-9 * np.trace(matrix) * np.eye(len(rows))
+        factor = np.linalg.cholesky(matrix).T
+        target = -np.linalg.solve(factor.T, rows @ change + room)
+        answer: Array = scipy.optimize.nnls(factor, target)[0]
+        return answer
 
     def acceleration(self, force: Array) -> Array:
         """Returns the acceleration under a force, shape (nv,)."""
