@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Instances whose geoms can meet.
 //
-// A contact between geoms of two instances has one restitution, one stiffness and one law. Which of
-// the two instances it takes them from would depend on their order, so both must have the same.
+// A contact between geoms of two instances has one law and one set of settings. Which of the two
+// instances it takes them from would depend on their order, so both must have the same. Materials
+// of geoms may differ (materials.h).
 
 #ifndef MUJOCO_IMPACT_ENGINE_SCENE_MEETING_H_
 #define MUJOCO_IMPACT_ENGINE_SCENE_MEETING_H_
