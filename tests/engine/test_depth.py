@@ -231,3 +231,21 @@ def test_dents_do_not_grow_with_the_number_of_impacts(restitution):
     assert pushes == 0
     # bodies are pressed by at most half of 1/(1/R1 + 1/R2)
     assert deepest <= 0.26 * RADIUS
+
+
+@pytest.mark.parametrize(
+    ("settings", "depth"),
+    [
+        ({}, 1e-7),
+        ({"young": 4e6}, 1e-6),
+        ({"assign": {"ball": "rubber"}}, 1e-6),
+        ({"assign": {"ball": "steel"}}, 1e-7),
+    ],
+)
+def test_soft_bodies_get_a_deeper_default(settings, depth):
+    """Their contacts outlast steps, and MuJoCo would push what overlaps meanwhile."""
+    xml = """
+    <mujoco><worldbody><geom type="plane" size="1 1 1"/>
+      <body pos="0 0 1"><freejoint/><geom name="ball" size=".1"/></body>
+    </worldbody></mujoco>"""
+    assert mujoco_impact.attach(xml, **settings).geom("ball").margin == -depth

@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 
 from mujoco_impact.baselines import damper
-from mujoco_impact.depth import DEPTH
+from mujoco_impact.depth import DEPTH, ROUNDING, SOFT
 from mujoco_impact.scene import attach
 from mujoco_impact_lab.stress.case import Case
 from mujoco_impact_lab.stress.layouts import Balls
@@ -53,7 +53,7 @@ def depth_of(case: Case, balls: Balls) -> float:
     what they overlap during a pulse, within bounds. Deeper overlaps are MuJoCo's.
     """
     if case.duration is None and case.integrator != "RK4" and case.overlap == 0:
-        return DEPTH
+        return ROUNDING if case.young < SOFT else DEPTH
     radius = float(balls.radius.min())
     # two geoms add their depths
     wanted = case.pulse_overlap * FASTEST / 2
