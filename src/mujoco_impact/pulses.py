@@ -25,7 +25,7 @@ from mujoco_impact.trajectory import Array
 
 LAYOUT_VERSION = 4.0
 
-_COUNT, _TABLE, _SLOT_SIZE, _SLOTS, _CLOCK = 1, 2, 3, 4, 5
+_COUNT, _TABLE, _SLOT_SIZE, _SLOTS, _CLOCK, _WORK = 1, 2, 3, 4, 5, 15
 _SERIAL, _GEOM1, _GEOM2, _ONSET, _IMPULSE, _ALPHA, _DURATION = range(7)
 _RESTITUTION, _PEAK, _CLOSING, _PLACE = 7, 8, 9, slice(10, 13)
 _TANGENT, _NORMAL = slice(26, 29), slice(29, 32)
@@ -103,6 +103,17 @@ class PulseReader:
             normal=_vector(slot[_NORMAL]),
             tangential_impulse=_vector(tangential),
         )
+
+
+def step_work(
+    model: mujoco.MjModel, data: mujoco.MjData, instances: list[int]
+) -> float:
+    """Returns the counted work of the last step over its budget, the most of any.
+
+    What is counted is told in `plugin/engine/resolve/budget.h`.
+    """
+    parts = [data.plugin_state[model.plugin_stateadr[i] + _WORK] for i in instances]
+    return float(max(parts, default=0.0))
 
 
 def plugin_instances(model: mujoco.MjModel) -> list[int]:

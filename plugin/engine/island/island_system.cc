@@ -131,15 +131,17 @@ mjtNum RowTimes(const mjModel* m, const ContactRow& row, const mjtNum* x) {
   return SegmentsTimes(m, row.segment, x);
 }
 
+void AddUntied(const mjModel* m, const RowSegment row[2], mjtNum s, mjtNum* x) {
+  for (int i = 0; i < 2; ++i) {
+    const auto& [tree, jacobian, inverse_inertia] = row[i];
+    if (tree >= 0) mju_addToScl(x + m->tree_dofadr[tree], inverse_inertia, s, m->tree_dofnum[tree]);
+  }
+}
+
 void AddAnswer(const mjModel* m, const Mobility& mobility, const RowSegment row[2], mjtNum s,
                mjtNum* x, Scratch& scratch) {
   mjtNum* answer = mobility.ties() > 0 ? scratch.Zeros(m->nv) : x;
-  for (int i = 0; i < 2; ++i) {
-    const RowSegment& segment = row[i];
-    if (segment.tree < 0) continue;
-    mju_addToScl(answer + m->tree_dofadr[segment.tree], segment.inverse_inertia, s,
-                 m->tree_dofnum[segment.tree]);
-  }
+  AddUntied(m, row, s, answer);
   if (mobility.ties() == 0) return;
   mobility.Tie(answer);
   mju_addTo(x, answer, m->nv);

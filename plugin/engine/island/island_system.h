@@ -63,6 +63,9 @@ void SolveSegments(const mjModel* m, const mjData* d, const RowSegment segment[2
 // J_k x for a vector of all degrees of freedom.
 mjtNum RowTimes(const mjModel* m, const ContactRow& row, const mjtNum* x);
 
+// x += M⁻¹ J_kᵀ s, without what ties make of it
+void AddUntied(const mjModel* m, const RowSegment row[2], mjtNum s, mjtNum* x);
+
 // x += M̃⁻¹ J_kᵀ s
 void AddAnswer(const mjModel* m, const Mobility& mobility, const RowSegment row[2], mjtNum s,
                mjtNum* x, Scratch& scratch);

@@ -23,14 +23,11 @@ Vector3 SlipVelocity(const mjModel* m, const mjData* d, const ContactRow& row, c
   return result;
 }
 
-// x += s Jᵀ and y += s M⁻¹ Jᵀ of a row.
-void AddSegments(const mjModel* m, const RowSegment* segments, mjtNum s, mjtNum* x, mjtNum* y) {
+// x += Jᵀ s of a row.
+void AddForce(const mjModel* m, const RowSegment segments[2], mjtNum s, mjtNum* x) {
   for (int i = 0; i < 2; ++i) {
-    const RowSegment& segment = segments[i];
-    if (segment.tree < 0) continue;
-    const int begin = m->tree_dofadr[segment.tree], dofs = m->tree_dofnum[segment.tree];
-    if (x) mju_addToScl(x + begin, segment.jacobian, s, dofs);
-    mju_addToScl(y + begin, segment.inverse_inertia, s, dofs);
+    const auto& [tree, jacobian, inverse_inertia] = segments[i];
+    if (tree >= 0) mju_addToScl(x + m->tree_dofadr[tree], jacobian, s, m->tree_dofnum[tree]);
   }
 }
 
@@ -70,10 +67,11 @@ void AddFriction(const mjModel* m, const mjData* d, const Config& config, const 
     const mjtNum P = impacts[k].impulse;
     if (P <= 0) continue;
     slip[k] = MakeSlipRow(m, system.row[k], scratch);
-    AddSegments(m, system.row[k].segment, P, nullptr, after);
+    AddUntied(m, system.row[k].segment, P, after);
     impacts[k].tangent = SlipOf(m, d, config, system, k, motion, tau, velocity, P, slip[k]);
     if (Norm(impacts[k].tangent) == 0) continue;
-    AddSegments(m, slip[k].segment, P, force, kick);
+    AddForce(m, slip[k].segment, P, force);
+    AddUntied(m, slip[k].segment, P, kick);
     driven += P * Dot(impacts[k].tangent, system.row[k].driven);
   }
   mjtNum scale = 1;

@@ -6,17 +6,6 @@
 
 namespace mujoco_impact::engine {
 
-namespace {
-
-// x += M⁻¹ J_kᵀ s, without what ties make of it.
-void AddKick(const mjModel* m, const ContactRow& row, mjtNum s, mjtNum* x) {
-  for (const auto& [tree, jacobian, inverse_inertia] : row.segment) {
-    if (tree >= 0) mju_addToScl(x + m->tree_dofadr[tree], inverse_inertia, s, m->tree_dofnum[tree]);
-  }
-}
-
-}  // namespace
-
 // Whether other stops hold against these impacts than were held for them.
 bool Resolver::ChangesStops(const Outlook& outlook, const ImpactTime& time,
                             const IslandSolution& island) {
@@ -28,7 +17,7 @@ bool Resolver::ChangesStops(const Outlook& outlook, const ImpactTime& time,
   for (int k = 0; k < island.system.size; ++k) {
     const Impact& impact = island.impacts[k];
     if (impact.impulse <= 0) continue;
-    AddKick(m_, island.system.row[k], impact.impulse, change);
+    AddUntied(m_, island.system.row[k].segment, impact.impulse, change);
     end = std::max(end, impact.onset + impact.duration);
     at_once = at_once && impact.at_once;
   }
@@ -57,7 +46,7 @@ void Resolver::AddStops(const IslandSolution& island, const ImpactTime& time, co
     for (int k = 0; k < island.system.size; ++k) {
       const mjtNum parts[] = {shares[k].impulse, shares[k].moment,
                               island.impacts[k].impulse - shares[k].impulse};
-      AddKick(m_, island.system.row[k], parts[of], kick);
+      AddUntied(m_, island.system.row[k].segment, parts[of], kick);
     }
     mobility.Tie(kick, pull[of] = scratch.Take<mjtNum>(ties));
   }

@@ -9,12 +9,8 @@ import numpy as np
 import scipy.optimize
 
 from mujoco_impact.impact import Impact
-from mujoco_impact.pulses import PulseReader
+from mujoco_impact.pulses import PulseReader, plugin_instances, step_work
 from mujoco_impact.trajectory import Array
-
-_WORK = 15
-"""Of the header of the plugin's state: the work of the last step over its budget."""
-
 
 _NEAR_END = 1e-2
 """So far from the end of its range a joint may reach it in an impact [m or rad]."""
@@ -54,6 +50,7 @@ class Watch:
     def __post_init__(self) -> None:
         """Starts at the state of the data."""
         self._pulses = PulseReader(self.model, self.data)
+        self._instances = plugin_instances(self.model)
         self._probe = mujoco.MjData(self.plain)
         self._before: tuple[Array, Array, Array] | None = None
 
@@ -73,9 +70,7 @@ class Watch:
         if data.ncon:
             self.deepest = max(self.deepest, -float(data.contact.dist.min()))
         self.fastest = max(self.fastest, float(np.abs(data.qvel).max()))
-        if self.model.nplugin:
-            address = self.model.plugin_stateadr[0] + _WORK
-            self.work = float(data.plugin_state[address])
+        self.work = step_work(self.model, data, self._instances)
         self._pulses.poll()
         new = self.recorded[self.impacts :]
         self.impacts += len(new)

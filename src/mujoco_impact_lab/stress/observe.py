@@ -10,13 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from mujoco_impact.impact import Impact
-from mujoco_impact.pulses import PulseReader, plugin_instances
+from mujoco_impact.pulses import PulseReader, plugin_instances, step_work
 from mujoco_impact.recorder import find_energies
 from mujoco_impact.runner import collected_warnings
 from mujoco_impact.trajectory import Array
-
-_WORK = 15
-"""Of the header of the plugin's state: the work of the last step over its budget."""
 
 _CONTACTS = int(mujoco.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS)
 """First of the types of contact rows, which are the last of all types."""
@@ -98,7 +95,7 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
             begin = time.thread_time()
             mujoco.mj_step(model, data)
             seconds[step] = time.thread_time() - begin
-            work[step] = _work(model, data, instances)
+            work[step] = step_work(model, data, instances)
             qpos_of[step + 1], qvel_of[step + 1] = data.qpos, data.qvel
             # a step finds the contacts of the state that it starts from
             pushed[step] = _is_pushing(model, data) or stages.acted
@@ -125,12 +122,6 @@ def observe(model: mujoco.MjModel, qvel: Array, steps: int) -> Observation:
         work=work,
         seconds=seconds,
     )
-
-
-def _work(model: mujoco.MjModel, data: mujoco.MjData, instances: list[int]) -> float:
-    """Returns the counted work of a step over its budget (`resolve/budget.h`)."""
-    parts = [data.plugin_state[model.plugin_stateadr[i] + _WORK] for i in instances]
-    return float(max(parts, default=0.0))
 
 
 def _is_pushing(model: mujoco.MjModel, data: mujoco.MjData) -> bool:
