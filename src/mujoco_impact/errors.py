@@ -91,3 +91,7 @@ class ShotsError(ImpactError, ValueError):
 
 class RenderingError(ImpactError):
     """This machine cannot draw the scene: no OpenGL, or no display for a window."""
+
+
+class WorkerError(ImpactError):
+    """Processes that shared the work were lost."""
