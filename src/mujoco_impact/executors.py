@@ -35,6 +35,7 @@ def in_order(
     executor: Executor | None = None,
     processes: int | None = None,
     cost: Callable[[Task], float] | None = None,
+    parts: int = CHUNKS,
 ) -> Iterator[Result]:
     """Yields the results of tasks in their order, as they come.
 
@@ -50,6 +51,8 @@ def in_order(
         processes: Number of processes of this machine, instead of an executor; 1 does
             the work in this process. By default one for each processor.
         cost: Relative cost of a task; by default all cost the same.
+        parts: About how many parts the work is cut into. The results of a part come
+            together.
 
     Raises:
         ConfigError: If `executor` has no `submit`, or both it and `processes` are
@@ -60,10 +63,10 @@ def in_order(
     work = list(tasks)
     if count == 1 and executor is None:
         return map(function, work)
-    parts = _parts(work, cost)
+    shares = _parts(work, cost, parts)
     if executor is not None:
-        return _each(_submitted(executor, function, parts))
-    return _each(_on_this_machine(function, parts, min(count, len(parts))))
+        return _each(_submitted(executor, function, shares))
+    return _each(_on_this_machine(function, shares, min(count, len(shares))))
 
 
 def _process_count(executor: Executor | None, processes: int | None) -> int:
@@ -84,11 +87,11 @@ def _process_count(executor: Executor | None, processes: int | None) -> int:
 
 
 def _parts(
-    tasks: Sequence[Task], cost: Callable[[Task], float] | None
+    tasks: Sequence[Task], cost: Callable[[Task], float] | None, count: int
 ) -> list[list[Task]]:
-    """Cuts tasks into parts of about the same cost, in order."""
+    """Cuts tasks into so many parts of about the same cost, in order."""
     costs = [1.0 if cost is None else cost(task) for task in tasks]
-    share = sum(costs) / CHUNKS
+    share = sum(costs) / count
     parts: list[list[Task]] = []
     spent = share
     for task, one in zip(tasks, costs, strict=True):

@@ -79,14 +79,20 @@ def test_work_that_is_not_wanted_any_more_is_cancelled():
     assert executor.cancelled == 9
 
 
-@given(st.lists(st.floats(0.1, 100), min_size=1, max_size=500))
-def test_parts_cost_about_the_same(costs):
-    parts = executors._parts(costs, lambda cost: cost)
+@given(
+    st.lists(st.floats(0.1, 100), min_size=1, max_size=500), st.sampled_from([7, 64])
+)
+def test_parts_cost_about_the_same(costs, count):
+    executor = AtOnce()
+    # one task a part, as those of the number of tasks are
+    list(executors.in_order(square, costs, executor=executor, parts=10**6))
+    assert executor.parts == len(costs)
+    parts = executors._parts(costs, lambda cost: cost, count)
     assert [cost for part in parts for cost in part] == costs
-    share = sum(costs) / executors.CHUNKS
+    share = sum(costs) / count
     # the last task of a part may be over half beyond its share
     assert all(sum(part[:-1]) <= share for part in parts)
-    assert len(parts) <= 2 * executors.CHUNKS
+    assert len(parts) <= 2 * count
 
 
 @pytest.mark.parametrize(
