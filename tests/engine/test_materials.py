@@ -204,6 +204,23 @@ def test_a_table_of_restitutions_is_linear_between_and_constant_beyond(speed, e)
     assert restitution_of(spec, speed) == pytest.approx(e, rel=1e-9)
 
 
+def test_what_comes_faster_but_later_leaves_a_restitution_as_it_is():
+    """Two contacts of one step, half a millisecond apart: each has its own speed."""
+    spec = attach(
+        ROW, speed=3, materials={"of": {"restitution_loss": 0.3}}, assign={"*": "of"}
+    )
+    model = spec.compile()
+    qpos = [0.0002 - 0.00001, 0.0, 0.001]
+    motion = mujoco_impact.run(model, duration=0.002, qpos=qpos, qvel=[0.1, 0, -2.0])
+    slow, fast = motion.impacts
+    assert (slow.geoms, fast.geoms) == (("a", "b"), ("b", "c"))
+    # the second strikes what the first has sent towards it
+    for impact in (slow, fast):
+        e = 1 - 0.3 * impact.closing_speed**0.2
+        assert impact.restitution == pytest.approx(e, rel=1e-9)
+    assert slow.closing_speed == pytest.approx(0.1, rel=1e-6)
+
+
 def test_a_loss_that_is_too_large_ends_at_nothing():
     spec = attach(
         HEAD_ON, materials={"of": Material(restitution_loss=3.0)}, assign={"*": "of"}
