@@ -86,7 +86,8 @@ def kept_spin(evidence: Evidence) -> float | None:
 def restitution(evidence: Evidence) -> float | None:
     """Largest error of the energy that an impact of one contact takes in a step.
 
-    Over the largest kinetic energy, and beyond what the integrator makes of the step.
+    Over the largest kinetic energy, and beyond what the integrator makes of the step,
+    where that is less than the bound.
     Of contacts without friction, those of dimension 1, without gravity, which works
     while a pulse lasts, and without arms. A contact that closes with u and delivers the
     impulse P takes (1 − e) P u / 2, with the e of the contact.
@@ -97,7 +98,9 @@ def restitution(evidence: Evidence) -> float | None:
     errors = []
     for stretch in stretches(evidence):
         step = stretch.first
-        if stretch.native or stretch.last > step or step not in evidence.single:
+        if stretch.native or stretch.steps > 1 or step not in evidence.single:
+            continue
+        if stretch.integration > GROWTH:
             continue
         impact = evidence.single[step]
         lost = (1 - impact.restitution) * impact.impulse * impact.closing_speed / 2
