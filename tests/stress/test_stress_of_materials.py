@@ -11,7 +11,7 @@ from mujoco_impact_lab.stress.shapes.materials import Materials, materials_of
 
 BY_NAME = {invariant.name: invariant for invariant in MATERIALS.invariants}
 
-SEEDS = range(2000, 2040)
+SEEDS = range(2065, 2120)
 
 BALLS = Case(
     seed=1,
