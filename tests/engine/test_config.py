@@ -177,15 +177,43 @@ def test_a_tuple_of_something_else_is_refused():
         compile_with({}, third=("body", "world"))
 
 
+@pytest.mark.parametrize("materials", ["", "x; y"])
 @pytest.mark.parametrize("number", ["3", "-3", "0.5"])
-def test_a_geom_of_no_known_material_is_refused(number):
+def test_a_geom_of_no_known_material_is_refused(number, materials):
     xml = TEMPLATE.format(
-        config='<config key="materials" value="x; y"/>',
+        config=f'<config key="materials" value="{materials}"/>',
         option="",
         third="geom",
         third_name=f'c" prm="{number}',
     )
-    with pytest.raises(ValueError, match=r"number \(prm\) of geom 'c' in the tuple"):
+    count = 2 if materials else 0
+    reason = (
+        rf"number \(prm\) of geom 'c' in the tuple 'impact' is {number}, and the "
+        f"instance has {count} materials; allowed: whole numbers up to that"
+    )
+    with pytest.raises(ValueError, match=reason):
+        mujoco.MjModel.from_xml_string(xml)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "told"),
+    [
+        (1, 2, "once of 'x' and once of 'y'"),
+        (2, 1, "once of 'y' and once of 'x'"),
+        (0, -2, "once of no material and once of 'y'"),
+        (0, 0, "once of no material and once of no material"),
+    ],
+)
+def test_a_geom_is_named_once_in_a_tuple(first, second, told):
+    """Which of two materials it has would depend on their order."""
+    xml = TEMPLATE.format(
+        config='<config key="materials" value="x; y"/>',
+        option="",
+        third="geom",
+        third_name=f'b" prm="{second}',
+    ).replace('objname="b"/>', f'objname="b" prm="{first}"/>', 1)
+    reason = f"geom 'b' is named twice in the tuple 'impact', {told}"
+    with pytest.raises(ValueError, match=reason):
         mujoco.MjModel.from_xml_string(xml)
 
 

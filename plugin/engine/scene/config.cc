@@ -87,10 +87,8 @@ class Reader {
     const int shown = ShownLength(text, kShown);
     const bool cut = shown < static_cast<int>(text.size());
     std::snprintf(error_->message, sizeof(error_->message),
-                  "mujoco_impact.waveform: attribute '%s' = '%.*s%s' is refused%s; allowed: %s",
-                  name, shown, text.data(), cut ? "..." : "", note, allowed);
-    // MuJoCo cuts its errors off at 500 bytes, wherever that is
-    error_->message[ShownLength(error_->message, 450)] = '\0';
+                  "attribute '%s' = '%.*s%s' is refused%s; allowed: %s", name, shown, text.data(),
+                  cut ? "..." : "", note, allowed);
   }
 
   double Number(const NumberRule& rule) {
