@@ -6,14 +6,13 @@ materials combine is in `docs/materials.md`, and so are the sources of `MATERIAL
 
 from __future__ import annotations
 
-import numbers
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from types import MappingProxyType
 from typing import TypeAlias, TypeVar
 
 from mujoco_impact.errors import ConfigError
-from mujoco_impact.text import closest
+from mujoco_impact.text import as_number, closest
 
 Table: TypeAlias = Mapping[float, float]
 """Restitution by closing speed [m/s]: linear between its speeds, constant beyond."""
@@ -156,8 +155,9 @@ def _short(number: float) -> str:
 
 
 def _number(name: str, key: str, value: object) -> float:
-    if isinstance(value, numbers.Real) and not isinstance(value, bool):
-        return float(value)
+    number = as_number(value)
+    if number is not None:
+        return number
     msg = f"{name!r}: {key} = {value!r} must be a number"
     raise ConfigError(
         msg + (", or numbers by speed" if key == "restitution_table" else "")
