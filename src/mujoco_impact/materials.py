@@ -69,10 +69,12 @@ class MaterialPair:
 MATERIALS: Mapping[str, Material] = MappingProxyType(
     {
         "cloth": Material(restitution=0.5, young=1e7, poisson=0.3, friction=0.2),
-        "cork": Material(restitution=0.5, young=3e7, poisson=0.0),
+        "cork": Material(restitution=0.5, young=3e7, poisson=0.2),
         "cushion": Material(restitution=0.85, young=2e6, poisson=0.49, friction=0.14),
         "glass": Material(restitution=0.97, young=7e10, poisson=0.2, friction=0.092),
-        "phenolic": Material(restitution=0.95, young=3.8e9, poisson=0.4, friction=0.05),
+        "phenolic": Material(
+            restitution=0.95, young=5.84e9, poisson=0.34, friction=0.05
+        ),
         "rubber": Material(restitution=0.83, young=2e6, poisson=0.49),
         "steel": Material(restitution=0.95, young=2e11, poisson=0.3),
         "wood": Material(restitution=0.6, young=1e9, poisson=0.3),
