@@ -9,6 +9,7 @@ import pytest
 
 import mujoco_impact
 from mujoco_impact import MATERIALS, Material, MaterialPair, attach
+from mujoco_impact.errors import ConfigError
 
 RADIUS, HEIGHT, MASS, GRAVITY = 0.03, 0.3, 0.1, 9.81
 
@@ -108,6 +109,48 @@ def test_three_instances_on_one_table_in_any_order_of_attaching(order):
     for name in THREE:
         e = composite(MATERIALS[name], MATERIALS["cloth"])
         assert found[f"ball_{name}"] == pytest.approx(e**2, abs=REBOUND)
+
+
+@pytest.mark.parametrize("told", [{"ball_rubber": "rubber"}, {}])
+@pytest.mark.parametrize("last", ["one", "other"])
+def test_instances_say_the_same_of_a_geom_that_one_of_them_owns(told, last):
+    """Its contacts would have the material that the instance attached first says."""
+    instances = {
+        "one": {"geoms": ["ball_steel"], "assign": {"ball_rubber": "steel"}},
+        "other": {"geoms": ["ball_rubber"], "assign": told},
+    }
+    final = instances.pop(last)
+    ((name, first),) = instances.items()
+    spec = attach(table_of(("steel", "rubber")), name=name, **first)
+    owned = "of 'rubber'" if told else "of no material"
+    reason = (
+        "'ball_rubber' is of 'steel' in the tuple 'one' and "
+        f"{owned} in the instance 'other', which owns it"
+    )
+    with pytest.raises(ConfigError, match=reason):
+        attach(spec, name=last, **final)
+
+
+def test_materials_of_one_name_are_the_same_in_all_instances_that_say_them():
+    spec = attach(
+        table_of(("steel", "rubber")),
+        geoms=["ball_steel"],
+        name="one",
+        materials={"own": SOFT},
+        assign={"ball_rubber": "own"},
+    )
+    again = {
+        "geoms": ["ball_rubber"],
+        "name": "other",
+        "assign": {"ball_rubber": "own"},
+    }
+    assert (
+        attach(spec, materials={"own": replace(SOFT)}, **again).compile().nplugin == 2
+    )
+    with pytest.raises(
+        ConfigError, match="is of 'own' in the tuple 'one' and of 'own'"
+    ):
+        attach(spec, materials={"own": HARD}, **again)
 
 
 HEAD_ON = """
