@@ -9,7 +9,7 @@ import numpy as np
 from mujoco.rollout import Rollout
 
 from mujoco_impact.errors import SimulationError
-from mujoco_impact.runner import collected_warnings
+from mujoco_impact.mujoco_warnings import collected_warnings
 from mujoco_impact.trajectory import Array
 from mujoco_impact.verdict.encounters import owned_numbers
 from mujoco_impact.verdict.fast_bodies import Approaches, FastBodies
