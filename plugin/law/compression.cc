@@ -377,6 +377,7 @@ ImpactReport Integrator::Run() {
   ImpactReport report{0, true};
   int turns = 0;
   double after_turn = 0;  // the step that may follow one cut short at a turn
+  bool stopped = false;
   while (!IsOver(problem_, scale_, lanes_, t_)) {
     if (work_ >= problem_.work) {
       report.converged = false;
@@ -420,6 +421,12 @@ ImpactReport Integrator::Run() {
         h *= growth_of_friction;
         continue;
       }
+      if (!stopped && friction_->StopAtOnce()) {
+        stopped = true;
+        EvaluateStage(lanes_.y, 0);
+        continue;
+      }
+      stopped = false;
       growth_of_friction = std::max(growth_of_friction, kShortest * scale_.time / h);
       friction_->Finish(rate_, y_new_, c_new_);
     }

@@ -10,8 +10,8 @@ namespace mujoco_impact::law {
 
 namespace {
 
-// Sweeps over the contacts in a step, at most.
-constexpr int kSweeps = 4;
+// Sweeps over the contacts in a step, at most. Two points of one body that stop together need most.
+constexpr int kSweeps = 12;
 
 // Tolerance of friction in that of the normal forces: its errors do not add up.
 constexpr double kFrictionTolerance = 10;
@@ -265,6 +265,24 @@ double FrictionStep::Growth(double error) const {
   if (error < kSmall) return kMost;
   const double growth = std::clamp(0.85 * std::pow(error, -0.4), 0.1, kMost);
   return error > 1 ? std::max(growth, stop_) : growth;
+}
+
+bool FrictionStep::StopAtOnce() {
+  // of the step; of the normal mobility of the contact
+  constexpr double kAtOnce = 0.1, kMuch = 0.05;
+  const DelassusMatrix& W = problem_.delassus;
+  bool any = false;
+  for (int i = 0; i < lanes_.size(); ++i) {
+    const Grip& grip = grip_[i];
+    if (dP[i] <= 0 || grip.theta <= 0 || grip.theta > kAtOnce) continue;
+    const int k = lanes_.contact(i);
+    const Pair ratio = 1 / dP[i] * At(grip.ratio), change = ratio - At(lanes_.ratio + 2 * i);
+    const TangentBlock own = OwnBlock(W, friction_, k);
+    if (std::abs(Dot(At(own.nt), change)) < kMuch * W.diagonal[k]) continue;
+    lanes_.SetRatio(i, ratio);
+    any = true;
+  }
+  return any;
 }
 
 bool FrictionStep::Accept(double t) {

@@ -44,6 +44,11 @@ class FrictionStep {
   // Factor for the next step after one with this error: to where a contact stops, if that is it.
   double Growth(double error) const;
 
+  // For a step whose contacts stop as it begins: gives these the ratios that hold them, if they
+  // change how hard it is to press them. Its normal forces were found with those of sliding, and
+  // have to be found anew. Returns whether it gave any.
+  bool StopAtOnce();
+
   // Takes what other ratios than before do into the compressions and closing speeds at the end of
   // the step tried; `rate` is dy/dt over c.
   void Finish(const double* rate, double* y_new, double* c_new);
