@@ -61,7 +61,7 @@ def in_order(
     """
     count = _process_count(executor, processes)
     work = list(tasks)
-    if count == 1 and executor is None:
+    if executor is None and min(count, len(work)) <= 1:
         return map(function, work)
     shares = _parts(work, cost, parts)
     if executor is not None:
