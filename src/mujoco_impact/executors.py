@@ -8,11 +8,15 @@ order of the tasks.
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 import os
+import signal
+import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from multiprocessing.connection import Connection
 from typing import TypeVar
 
 from mujoco_impact.errors import ConfigError, WorkerError
@@ -65,7 +69,7 @@ def in_order(
         return map(function, work)
     shares = _parts(work, cost, parts)
     if executor is not None:
-        return _each(_submitted(executor, function, shares))
+        return _each(_elsewhere(executor, function, shares))
     return _each(_on_this_machine(function, shares, min(count, len(shares))))
 
 
@@ -119,15 +123,26 @@ def _submitted(
     executor: Executor,
     function: Callable[[Task], Result],
     parts: Sequence[Sequence[Task]],
+) -> deque[Future[list[Result]]]:
+    """Returns what will be the results of each part."""
+    return deque(executor.submit(_run_part, function, part) for part in parts)
+
+
+def _read(futures: deque[Future[list[Result]]]) -> Iterator[list[Result]]:
+    """Yields results in order; those that are read are not kept."""
+    while futures:
+        yield futures.popleft().result()
+
+
+def _elsewhere(
+    executor: Executor,
+    function: Callable[[Task], Result],
+    parts: Sequence[Sequence[Task]],
 ) -> Iterator[list[Result]]:
     """Yields the results of each part from an executor of the caller."""
-    futures: deque[Future[list[Result]]] = deque(
-        executor.submit(_run_part, function, part) for part in parts
-    )
+    futures = _submitted(executor, function, parts)
     try:
-        while futures:
-            # off the list first: a result that was read is not kept
-            yield futures.popleft().result()
+        yield from _read(futures)
     finally:
         for future in futures:
             future.cancel()
@@ -143,9 +158,12 @@ def _on_this_machine(
     while done < len(parts):
         # a fresh interpreter: a fork would share MuJoCo's threads and handlers
         context = multiprocessing.get_context("spawn")
-        pool = ProcessPoolExecutor(processes, mp_context=context)
+        wanted, want = context.Pipe(duplex=False)
+        pool = ProcessPoolExecutor(
+            processes, mp_context=context, initializer=_follow, initargs=(wanted,)
+        )
         try:
-            for results in _submitted(pool, function, parts[done:]):
+            for results in _read(_submitted(pool, function, parts[done:])):
                 done += 1
                 restarts = 0
                 yield results
@@ -159,4 +177,28 @@ def _on_this_machine(
                 )
                 raise WorkerError(msg) from error
         finally:
+            # what no one reads any more is not waited for, and not cancelled either:
+            # a pool that breaks meanwhile fails at a future that was cancelled
+            want.close()
             pool.shutdown(cancel_futures=True)
+            wanted.close()
+
+
+def _follow(wanted: Connection) -> None:
+    """Begins a process that ends as soon as no one wants its results.
+
+    Ctrl-C reaches every process of a terminal. It is for the one that gives out the
+    work, or a process would hand an interruption over as its result.
+
+    Args:
+        wanted: What closes then, also if the other process is killed.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with, args=(wanted,), daemon=True).start()
+
+
+def _end_with(wanted: Connection) -> None:
+    """Ends this process once a connection closes."""
+    with contextlib.suppress(EOFError, OSError):
+        wanted.recv()
+    os._exit(1)

@@ -2,6 +2,9 @@
 
 import os
 import signal
+import subprocess
+import sys
+import time
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -77,6 +80,62 @@ def test_work_that_is_not_wanted_any_more_is_cancelled():
     assert next(results) == 0
     results.close()
     assert executor.cancelled == 9
+
+
+ENDLESS = """
+import os, signal, sys, time
+from pathlib import Path
+from mujoco_impact import executors
+
+def sleep(folder):
+    (folder / str(os.getpid())).touch()
+    time.sleep(600)
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        list(executors.in_order(sleep, [Path(sys.argv[1])] * 9, processes=2))
+    except KeyboardInterrupt:
+        sys.exit("interrupted")
+"""
+
+
+def running(process: int) -> bool:
+    """Whether a process runs; one that has ended may wait to be told of."""
+    try:
+        status = Path(f"/proc/{process}/stat").read_text()
+    except OSError:
+        return False
+    return status.rpartition(")")[2].split()[0] != "Z"
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="no /proc")
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGKILL])
+def test_processes_end_with_the_one_that_wants_their_results(tmp_path, end):
+    """Ctrl-C reaches all of them, and none waits for its work to be done."""
+    script = tmp_path / "endless.py"
+    script.write_text(ENDLESS)
+    begun = tmp_path / "begun"
+    begun.mkdir()
+    main = subprocess.Popen(
+        [sys.executable, str(script), str(begun)],
+        start_new_session=True,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    while len(list(begun.iterdir())) < 2:
+        assert main.poll() is None
+        time.sleep(0.05)
+    workers = [int(file.name) for file in begun.iterdir()]
+    if end == signal.SIGINT:
+        os.killpg(main.pid, end)
+        assert main.communicate()[1] == "interrupted\n"
+    else:
+        main.kill()
+        main.communicate()
+    # a fault leaves them there for ten minutes, and the test, too
+    while any(map(running, workers)):
+        time.sleep(0.05)
 
 
 @given(
