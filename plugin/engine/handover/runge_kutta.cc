@@ -2,6 +2,9 @@
 
 #include "engine/handover/runge_kutta.h"
 
+#include <cstdint>
+#include <cstring>
+
 #include "engine/handover/silent_rows.h"
 #include "engine/scene/ownership.h"
 
@@ -9,12 +12,24 @@ namespace mujoco_impact::engine {
 
 namespace {
 
-// A number that two different stages do not share: weighted sum of position and velocity.
-mjtNum Fingerprint(const mjModel* m, const mjData* d) {
-  mjtNum sum = 0;
-  for (int i = 0; i < m->nq; ++i) sum += (i + 1) * d->qpos[i];
-  for (int i = 0; i < m->nv; ++i) sum -= (i + 1) * d->qvel[i];
-  return sum;
+// Adds the bits of some numbers to a hash (FNV-1a, a number at a time).
+void Hash(const mjtNum* numbers, int count, uint64_t& hash) {
+  for (int i = 0; i < count; ++i) {
+    const double number = numbers[i] + 0.0;  // -0 is 0
+    uint64_t bits;
+    std::memcpy(&bits, &number, sizeof bits);
+    hash = (hash ^ bits) * 0x100000001b3;
+    hash ^= hash >> 32;
+  }
+}
+
+// A number that two different stages do not share, of all bits of position and velocity. A
+// weighted sum of them would not do: it stays as it is for some velocities, such as 2 and -1.
+double Fingerprint(const mjModel* m, const mjData* d) {
+  uint64_t hash = 0xcbf29ce484222325;
+  Hash(d->qpos, m->nq, hash);
+  Hash(d->qvel, m->nv, hash);
+  return static_cast<double>(hash >> 11);  // as many bits as a double holds
 }
 
 // Geoms of others count as held: what matters is the body of ours.
