@@ -2,7 +2,7 @@
 
 Importing the package registers the engine plugin `mujoco_impact.waveform`. What needs
 more than MuJoCo and NumPy (`calibrate`, `compare`, `envs`, `law`, `metrics`,
-`reference`, `rollout`, `sensor`, `video`) is imported when it is first used.
+`reference`, `rollout`, `sensor`, `sweep`, `video`) is imported when it is first used.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from mujoco_impact.calibration import Calibration, calibrate
     from mujoco_impact.comparing.compare import Comparison, compare
     from mujoco_impact.rollouts import Rollouts, rollout
+    from mujoco_impact.sweeping.sweep import Sweep, sweep
 
     __version__: str
 
@@ -49,6 +50,7 @@ __all__ = [
     "Material",
     "MaterialPair",
     "Rollouts",
+    "Sweep",
     "Trajectory",
     "__version__",
     "attach",
@@ -66,6 +68,7 @@ __all__ = [
     "run",
     "sensor",
     "sensor_slice",
+    "sweep",
     "video",
 ]
 
@@ -74,9 +77,11 @@ _MEMBERS = {
     "Calibration": "calibration",
     "Comparison": "comparing.compare",
     "Rollouts": "rollouts",
+    "Sweep": "sweeping.sweep",
     "calibrate": "calibration",
     "compare": "comparing.compare",
     "rollout": "rollouts",
+    "sweep": "sweeping.sweep",
 }
 
 

@@ -74,6 +74,25 @@ class ComparisonInterrupted(KeyboardInterrupt):
         self.comparison = comparison
 
 
+class SweepInterrupted(KeyboardInterrupt):
+    """A sweep was interrupted by hand (Ctrl-C); its rows are in their file.
+
+    Attributes:
+        done: Rows there are.
+        total: Rows there will be.
+    """
+
+    def __init__(self, done: int, total: int) -> None:
+        """Stores the numbers of rows."""
+        super().__init__(f"interrupted after {done} of {total} rows")
+        self.done = done
+        self.total = total
+
+
+class SweepError(ImpactError):
+    """The rows of a sweep cannot be read, written, or continued."""
+
+
 class TrajectoryError(ImpactError):
     """A trajectory file is missing, damaged or of another layout."""
 

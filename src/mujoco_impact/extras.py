@@ -40,7 +40,12 @@ def _place() -> str:
     return unquote(url.path) if url and url.scheme == "file" else "."
 
 
-_EXTRA = {"dm_control": "dm_control", "gymnasium": "gymnasium"}
+_EXTRA = {
+    "distributed": "cluster",
+    "dm_control": "dm_control",
+    "gymnasium": "gymnasium",
+    "pyarrow": "cluster",
+}
 
 
 def is_installed(library: str) -> bool:

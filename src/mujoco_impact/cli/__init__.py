@@ -15,6 +15,7 @@ from mujoco_impact.cli.doctor import doctor
 from mujoco_impact.cli.paper import force_sensor, paper
 from mujoco_impact.cli.run import run
 from mujoco_impact.cli.stress import stress
+from mujoco_impact.cli.sweep import sweep
 from mujoco_impact.cli.video import video
 from mujoco_impact.cli.view import view
 
@@ -54,6 +55,11 @@ COMMANDS: tuple[tuple[Callable[..., Any], str, str], ...] = (
         stress,
         "stress scene.xml --keyframe shot",
         "stress row_5 --duration 0.5 --out report.md",
+    ),
+    (
+        sweep,
+        "sweep sweep.toml --plot sweep.png",
+        "sweep sweep.toml --out rows.parquet --scheduler tcp://10.0.0.1:8786",
     ),
     (doctor, "doctor", "doctor --json -"),
 )

@@ -91,7 +91,7 @@ def compare(
     attributes(dict(settings or {}))
     report(OURS)
     options = {"geoms": geoms, "gap": gap, "depth": depth, "speed": speed}
-    attached, law = _ours(read_spec(source), options, dict(settings or {}))
+    attached, law = attached_scene(read_spec(source), options, dict(settings or {}))
     plain = detach(attached)
     given = qpos is not None or qvel is not None
     number = settled([key.name for key in plain.keys], keyframe, given=given)
@@ -118,7 +118,7 @@ def compare(
     return judge.comparison(duration, timed)
 
 
-def _ours(
+def attached_scene(
     spec: mujoco.MjSpec, options: dict[str, Any], settings: dict[str, Any]
 ) -> tuple[mujoco.MjSpec, dict[str, Any]]:
     """Returns the scene with the plugin, and the settings that hold in it.
