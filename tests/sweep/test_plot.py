@@ -15,7 +15,7 @@ pytest.importorskip("matplotlib")
 
 
 def figure_of(given: dict[str, Any]) -> Any:
-    return plot._figure(mujoco_impact.sweep(given, processes=1))
+    return plot.sweep_figure(mujoco_impact.sweep(given, processes=1))
 
 
 def labels(axis: Any) -> list[str]:
@@ -35,7 +35,7 @@ def test_a_line_for_each_method_over_what_was_varied(given):
     assert labels(top) == ["mujoco-impact", "MuJoCo as is"]
     assert top.get_ylabel() == "velocity error [impact speed]"
     assert bottom.get_ylabel() == "energy lost [energy of motion]"
-    assert bottom.get_xlabel() == "mass.right [kg]"
+    assert bottom.get_xlabel() == "mass of right [kg]"
     assert bottom.get_xscale() == "log"
     ours, native = top.get_lines()
     assert list(ours.get_xdata()) == [0.1, 0.2, 10.0]
@@ -83,7 +83,7 @@ def test_repeats_are_their_median_and_failures_are_told(given):
         "grid": {"attach": {"restitution": [1.0, 0.5, 1.5]}},
     }
     found = mujoco_impact.sweep(given, processes=1)
-    figure = plot._figure(found)
+    figure = plot.sweep_figure(found)
     (axis,) = figure.axes
     (line,) = axis.get_lines()
     times = sorted(row["run_time"] for row in found.rows if row["case"] == 1)
@@ -96,7 +96,7 @@ def test_texts_stand_along_the_axis_if_nothing_else_was_varied(given, tmp_path):
     found = mujoco_impact.sweep(given, processes=1)
     assert found.plot(tmp_path / "a.svg") == tmp_path / "a.svg"
     assert "<svg" in Path(tmp_path / "a.svg").read_text()
-    (axis,) = plot._figure(found).axes
+    (axis,) = plot.sweep_figure(found).axes
     assert list(axis.get_lines()[0].get_xdata()) == ["RK4", "Euler"]
 
 
