@@ -11,7 +11,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from mujoco_impact import law
+from mujoco_impact import law, sweep
 from mujoco_impact.cli import app
 from mujoco_impact.paper.figures import write_figures
 from mujoco_impact.paper.force_sensor import experiment
@@ -57,6 +57,12 @@ def save(figure: plt.Figure, name: str) -> None:
     print(IMAGES / f"{name}.png")
 
 
+def impact_speed() -> None:
+    """The example of sweeps: MuJoCo's best settings over impact speed, beside ours."""
+    example = IMAGES.parent / "examples" / "impact_speed.toml"
+    print(sweep(example).plot(IMAGES / "impact_speed.png"))
+
+
 def force_sensor() -> None:
     """The force-sensor experiment of the paper: waveforms and cumulated impulses."""
     for path in write_figures(experiment(), IMAGES):
@@ -67,3 +73,4 @@ if __name__ == "__main__":
     cradle()
     waveform()
     force_sensor()
+    impact_speed()

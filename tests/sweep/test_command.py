@@ -71,7 +71,7 @@ def test_it_says_what_failed(folder: Path) -> None:
     (folder / "study.toml").write_text(text)
     done = command("study.toml", "--processes", "1")
     assert done.exit_code == 0, done.output
-    assert "1 failed (column error), the first: ConfigError: the plugin" in done.stdout
+    assert "1 failed (column error); the first, case 1: ConfigError: the" in done.stdout
     # nothing but failures: no reference, and a case without an impact
     text = SPECIFICATION.replace("0.04", "0.001")
     (folder / "none.toml").write_text(text)

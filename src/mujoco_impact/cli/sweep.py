@@ -58,6 +58,7 @@ def sweep(
     The rows are written as they come. If it is interrupted, the same command goes on
     where it stopped.
     """
+    from mujoco_impact.sweeping.run_case import ERROR, REMARKS
     from mujoco_impact.sweeping.sweep import sweep as run_sweep
 
     console = console_of(None)
@@ -84,16 +85,15 @@ def sweep(
             console.out(f"rows so far: {rows}; the same command goes on from there")
             raise
         console.out(f"{len(found.rows)} rows: {rows}")
-        if found.failures:
-            console.out(
-                f"{len(found.failures)} failed (column error), the first: "
-                f"{found.failures[0]['error']}"
-            )
-        if found.remarked:
-            console.out(
-                f"{len(found.remarked)} have remarks (column remarks), the first: "
-                f"{found.remarked[0]['remarks']}"
-            )
+        for some, what, column in (
+            (found.failures, "failed", ERROR),
+            (found.remarked, "have remarks", REMARKS),
+        ):
+            if some:
+                console.out(
+                    f"{len(some)} {what} (column {column}); the first, case "
+                    f"{some[0]['case']}: {some[0][column]}"
+                )
         if len(found.failures) == len(found.rows):
             raise typer.Exit(UNSOUND)
         if plot is not None:
