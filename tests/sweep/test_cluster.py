@@ -5,8 +5,10 @@ from __future__ import annotations
 import logging
 import os
 import signal
+from concurrent.futures import CancelledError
 from pathlib import Path
 from typing import Any
+from unittest.mock import MagicMock
 
 import pytest
 
@@ -66,6 +68,27 @@ def test_a_scheduler_that_is_not_there_is_told(monkeypatch) -> None:
         dask_workers(scheduler=address),
     ):
         pass
+
+
+class Killed(Exception):
+    """What dask raises for work that was lost with several workers."""
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (CancelledError(), "the scheduler was lost, and work with it"),
+        (Killed("four workers died"), "four workers died"),
+    ],
+)
+def test_work_that_is_lost_is_told(monkeypatch, error, message) -> None:
+    dask = MagicMock()
+    dask.scheduler.KilledWorker = Killed
+    for part in (dask.Client, dask.LocalCluster):
+        part.return_value.__exit__.return_value = False
+    monkeypatch.setattr(cluster, "require", lambda _: dask)
+    with pytest.raises(WorkerError, match=message), dask_workers(local=1):
+        raise error
 
 
 def test_workers_of_another_version_are_refused() -> None:

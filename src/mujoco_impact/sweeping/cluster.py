@@ -6,7 +6,7 @@ import contextlib
 import logging
 import re
 from collections.abc import Iterator
-from concurrent.futures import Executor
+from concurrent.futures import CancelledError, Executor
 from importlib import metadata
 from typing import Any
 
@@ -38,7 +38,7 @@ def dask_workers(
         MissingExtraError: If dask.distributed is not installed.
         ConfigError: If not one of the two is given, or `local` is not valid.
         WorkerError: If there is no scheduler, it has no workers, or they have other
-            versions; or if work was lost with several workers.
+            versions; or if work was lost with several workers, or the scheduler was.
     """
     if (scheduler is None) == (local is None):
         raise ConfigError("give either a scheduler or a number of local workers")
@@ -75,6 +75,8 @@ def dask_workers(
             yield client.get_executor()
         except distributed.scheduler.KilledWorker as error:
             raise WorkerError(" ".join(str(error).split())) from error
+        except CancelledError as error:
+            raise WorkerError("the scheduler was lost, and work with it") from error
 
 
 def _versions() -> dict[str, str]:

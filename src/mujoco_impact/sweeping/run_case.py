@@ -52,9 +52,9 @@ class Task:
 
     @property
     def cost(self) -> float:
-        """Number of steps, about; 1 if the scene says how long they are."""
-        step = self.case.get("timestep")
-        return 1.0 if step is None else float(str(self.case["duration"])) / step  # type: ignore[operator]
+        """What it costs beside other cases: number of steps, if they are told."""
+        duration, timestep = self.case["duration"], self.case.get("timestep", 1.0)
+        return float(str(duration)) / float(str(timestep))
 
 
 def run_case(task: Task) -> dict[str, Recorded]:
