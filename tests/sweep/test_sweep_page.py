@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 from pathlib import Path
 from typing import Any
 
+from mujoco_impact.cli.sweep import sweep
 from mujoco_impact.sweeping.cases import _DISTRIBUTIONS
 from mujoco_impact.sweeping.parameters import SECTIONS, SINGLE, methods
 from mujoco_impact.sweeping.quantities import QUANTITIES
@@ -19,6 +21,12 @@ def test_every_parameter_and_quantity_is_in_it():
     names = {*SINGLE, *SECTIONS, *QUANTITIES, *methods(), *_DISTRIBUTIONS}
     code = " ".join(re.findall(r"`([^`\n]+)`", PAGE))
     assert {name for name in names if name not in code} == set()
+
+
+def test_the_example_of_the_help_is_a_specification():
+    help_text = inspect.getdoc(sweep) or ""
+    example = tomllib.loads(help_text.split("```toml\n")[1].split("```")[0])
+    assert len(read_specification(example).cases) == 4
 
 
 def test_the_example_is_the_file():

@@ -56,7 +56,15 @@ def sweep(
     """Run a scene with many parameters, and write a row for each case.
 
     The rows are written as they come. If it is interrupted, the same command goes on
-    where it stopped.
+    where it stopped. A specification names a scene, what to vary and what to record:
+
+    ```toml
+    duration = 0.5
+    scene.model = "row_3"
+    grid.timestep = [0.001, 0.002]
+    grid.method = ["mujoco-impact", "MuJoCo damper"]
+    record = ["velocity_error", "run_time"]
+    ```
     """
     from mujoco_impact.sweeping.run_case import ERROR, REMARKS
     from mujoco_impact.sweeping.sweep import sweep as run_sweep

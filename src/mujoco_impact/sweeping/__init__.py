@@ -3,6 +3,7 @@
 From the specification to the picture: `specification` reads what was asked for,
 `parameters` knows what can be varied, `cases` makes grid, list and random draws,
 `scenes` builds the scene of a case, `quantities` knows what can be recorded,
-`run_case` runs one, `rows_file` keeps the rows, `sweep` is the whole path, `cluster`
-brings workers of other machines and `plot` draws the rows.
+`run_case` runs one, `table` has columns and rows, `rows_file` keeps them, `origin`
+tells which sweep they are of, `sweep` is the whole path, `cluster` brings workers of
+other machines, `lines` and `plot` draw the rows.
 """

@@ -17,7 +17,6 @@ from mujoco_impact.sweeping.rows_file import RowsFile, rows_file
 from mujoco_impact.sweeping.run_case import (
     ERROR,
     REMARKS,
-    Task,
     moving_bodies,
     run_case,
 )
@@ -180,7 +179,7 @@ class _Rows:
             itertools.islice(tasks_of(self._spec), done, None),
             executor=executor,
             processes=processes,
-            cost=_cost,
+            cost=lambda task: task.cost,
             parts=PARTS,
         )
         empty: Row = {column.name: None for column in self.columns}
@@ -194,11 +193,6 @@ class _Rows:
                 self._progress(len(self._rows), self._total)
         except KeyboardInterrupt:
             raise SweepInterrupted(len(self._rows), self._total) from None
-
-
-def _cost(task: Task) -> float:
-    """Returns the cost of a task."""
-    return task.cost
 
 
 def _with_bodies(spec: Specification) -> Specification:
