@@ -100,7 +100,7 @@ def rollout(
     _plugin.load()
     compiled = load_model(model)
     steps = step_count(compiled, duration)
-    workers = _thread_count(threads)
+    workers = thread_count(threads)
     if not 1 <= every <= steps:
         raise ValueError(f"every = {every}: must be 1 to {steps}, the number of steps")
     if initial_state is None:
@@ -270,7 +270,7 @@ def _controls(
         raise SceneError(msg) from None
 
 
-def _thread_count(threads: int | None) -> int:
+def thread_count(threads: int | None) -> int:
     """Returns the number of threads; ValueError if it is not positive."""
     if threads is None:
         return os.cpu_count() or 1
