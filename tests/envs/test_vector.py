@@ -184,3 +184,22 @@ def test_bad_calls_are_refused_with_a_reason():
     vector.close()
     with pytest.raises(gymnasium.error.ClosedEnvironmentError, match="are closed"):
         vector.step(np.zeros((3, 1)))
+
+
+def test_a_frame_is_of_the_state_that_was_observed(monkeypatch):
+    """Without OpenGL: what the camera is given."""
+    seen = []
+    monkeypatch.setattr(
+        "mujoco_impact.envs.gym.Camera.picture",
+        lambda _, data: seen.append([*data.qpos, *data.geom("ball_1").xpos]),
+    )
+    vector = make(IDS[0], render_mode="rgb_array")
+    vector.reset(seed=0)
+    observation = vector.step(np.ones((3, 1)))[0]
+    assert len(vector.render()) == 3
+    angles = observation[:, vector.observation_names["angles"]]
+    np.testing.assert_array_equal(np.array(seen)[:, :5], angles)
+    # geometry is of that state, too: balls swing on arms of 0.3 m, here to rounding
+    x, swing = np.array(seen)[:, 5], 0.3 * np.sin(angles[:, 0])
+    np.testing.assert_allclose(np.diff(x), np.diff(swing), atol=1e-15)
+    assert np.diff(x).all()

@@ -58,6 +58,9 @@ class ImpactVectorEnv(gymnasium.vector.VectorEnv):  # type: ignore[misc]
         "autoreset_mode": gymnasium.vector.AutoresetMode.NEXT_STEP,
     }
 
+    # what was not made completely has nothing to close
+    closed = True
+
     def __init__(
         self,
         *,
@@ -104,6 +107,7 @@ class ImpactVectorEnv(gymnasium.vector.VectorEnv):  # type: ignore[misc]
         self._has_begun = np.zeros(num_envs, dtype=bool)
         self._is_over = np.zeros(num_envs, dtype=bool)
         self._camera = Camera(self.model)
+        self.closed = False
 
     def _make_spaces(self) -> None:
         """Sets the spaces of one environment and of all."""
