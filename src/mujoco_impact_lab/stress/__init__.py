@@ -11,7 +11,7 @@ from __future__ import annotations
 from mujoco_impact_lab.stress.case import Case
 from mujoco_impact_lab.stress.draw import case_of
 from mujoco_impact_lab.stress.evidence import Evidence
-from mujoco_impact_lab.stress.families import BALLS, FAMILIES, SHAPES
+from mujoco_impact_lab.stress.families import BALLS, FAMILIES, MATERIALS, SHAPES
 from mujoco_impact_lab.stress.family import AnyCase, Family
 from mujoco_impact_lab.stress.invariants import INVARIANTS
 from mujoco_impact_lab.stress.limits import LIMITS, limit_of
@@ -26,6 +26,7 @@ __all__ = [
     "FAMILIES",
     "INVARIANTS",
     "LIMITS",
+    "MATERIALS",
     "METHODS",
     "OURS",
     "SHAPES",
