@@ -2,6 +2,7 @@
 
 import copy
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -184,6 +185,23 @@ def test_bad_calls_are_refused_with_a_reason():
     vector.close()
     with pytest.raises(gymnasium.error.ClosedEnvironmentError, match="are closed"):
         vector.step(np.zeros((3, 1)))
+
+
+def test_the_clock_of_mujoco_stands_still_while_they_step():
+    """A fifth of the time of a step is reading it; afterwards it is as before."""
+    vector, read = make(IDS[0]), []
+    vector.reset(seed=0)
+    clock = lambda: read.append(1) or 0.0  # noqa: E731
+    mujoco.set_mjcb_time(clock)
+    try:
+        vector.step(np.zeros((3, 1)))
+        assert mujoco.get_mjcb_time() is clock
+        assert read == []
+        single = gymnasium.make(IDS[0]).unwrapped
+        single.reset(seed=0)
+        assert read
+    finally:
+        mujoco.set_mjcb_time(None)
 
 
 def test_a_frame_is_of_the_state_that_was_observed(monkeypatch):

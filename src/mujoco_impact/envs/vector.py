@@ -31,6 +31,7 @@ from mujoco_impact.envs.tasks import split
 from mujoco_impact.errors import ConfigError
 from mujoco_impact.extras import require
 from mujoco_impact.rollouts import thread_count
+from mujoco_impact.still_clock import still_clock
 from mujoco_impact.trajectory import Array
 
 gymnasium: Any = require("gymnasium")
@@ -187,7 +188,8 @@ class ImpactVectorEnv(gymnasium.vector.VectorEnv):  # type: ignore[misc]
         self._data.ctrl[:] = actions
         if begins.any():
             self._begin(begins)
-        self._batch.step(~begins, nstep=self._substeps)
+        with still_clock():
+            self._batch.step(~begins, nstep=self._substeps)
         self._check()
         self._steps[~begins] += 1
         self._follow()
