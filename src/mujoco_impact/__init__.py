@@ -16,7 +16,7 @@ from mujoco_impact._plugin import load, load_or_warn
 
 load_or_warn()
 
-from mujoco_impact import _gymnasium_hook, pickling  # noqa: E402
+from mujoco_impact import _import_hook, _put_model_guard, pickling  # noqa: E402
 from mujoco_impact.errors import ImpactError, ImpactWarning  # noqa: E402
 from mujoco_impact.impact import Impact  # noqa: E402
 from mujoco_impact.materials import (  # noqa: E402
@@ -101,4 +101,9 @@ def __getattr__(name: str) -> Any:
 
 pickling.enable()
 
-_gymnasium_hook.register_when_imported()
+# gymnasium has no entry points for environments: this makes ours known to it
+_import_hook.when_imported(
+    "gymnasium", lambda _: importlib.import_module("mujoco_impact.envs")
+)
+for _engine in _put_model_guard.GUARDED:
+    _import_hook.when_imported(_engine, _put_model_guard.guard)
