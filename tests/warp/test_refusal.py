@@ -76,8 +76,14 @@ def test_a_detached_model_is_taken(engine):
     assert put_model(model).nbody == model.nbody
 
 
-@pytest.mark.parametrize("library", ["mujoco_warp", "mujoco.mjx"])
-@pytest.mark.parametrize("first", ["mujoco_impact", "engine"])
+@pytest.mark.parametrize(
+    ("library", "first"),
+    [
+        ("mujoco_warp", "mujoco_impact"),
+        ("mujoco_warp", "engine"),
+        ("mujoco.mjx", "mujoco_impact"),
+    ],
+)
 def test_the_refusal_is_there_whichever_is_imported_first(library, first):
     pytest.importorskip(library)
     imports = [f"import {library} as engine", "import mujoco_impact"]

@@ -109,13 +109,15 @@ def set_busy(bodies: Bodies, paths: Paths, x: int, w: int, until: float) -> None
 
 @wp.func
 def add_to_path(
-    paths: Paths, x: int, w: int, J: wp.vec3, P: float, moment: float
+    paths: Paths, x: int, w: int, J: wp.vec3, P: float, moment: float, h: float
 ) -> None:
     """Adds an impulse with its moment about the start of the step to body x."""
+    # where dents are pressed out, what hardly pushes may have its moment far away
+    time = wp.clamp(moment / P, -h, 4.0 * h)
     kick = paths.mobility[x, w] * J
     paths.P[x, w] = paths.P[x, w] + P * kick
     paths.M1[x, w] = paths.M1[x, w] + moment * kick
-    paths.M2[x, w] = paths.M2[x, w] + moment * moment / P * kick
+    paths.M2[x, w] = paths.M2[x, w] + P * time * time * kick
 
 
 @wp.func
@@ -128,6 +130,7 @@ def add_impulses(
     n: int,
     t: float,
     time: float,
+    h: float,
 ) -> bool:
     """Adds the impulses of an impact that began at t; false if none pushes."""
     any_pushes = bool(False)
@@ -139,10 +142,10 @@ def add_impulses(
             first = pairs.first[z.pair[k, w]]
             second = pairs.second[z.pair[k, w]]
             # zero for what is fixed
-            add_to_path(paths, first, w, z.J1[k, w], P, moment)
+            add_to_path(paths, first, w, z.J1[k, w], P, moment, h)
             set_busy(bodies, paths, first, w, t + time)
             # zero for what is fixed
-            add_to_path(paths, second, w, z.J2[k, w], P, moment)
+            add_to_path(paths, second, w, z.J2[k, w], P, moment, h)
             set_busy(bodies, paths, second, w, t + time)
     return any_pushes
 

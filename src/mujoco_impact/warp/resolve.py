@@ -109,7 +109,7 @@ def resolve(
                 flag = flag | UNFINISHED
             press_out_dents(bodies, pairs, paths, z, w, n, wp.max(span.time, h - t))
             count_forces_meanwhile(z, w, n)
-            if not add_impulses(bodies, pairs, paths, z, w, n, t, span.time):
+            if not add_impulses(bodies, pairs, paths, z, w, n, t, span.time, h):
                 # what does not push is left for the next step
                 set_busy(bodies, paths, pairs.first[first], w, h)
                 set_busy(bodies, paths, pairs.second[first], w, h)
