@@ -44,6 +44,7 @@ _EXTRA = {
     "dm_control": "dm_control",
     "gymnasium": "gymnasium",
     "mujoco_warp": "warp",
+    "warp": "warp",
 }
 
 

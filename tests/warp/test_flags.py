@@ -3,6 +3,7 @@
 import mujoco_warp
 import numpy as np
 import pytest
+import warp as wp
 from worlds import TABLE, Worlds
 
 import cradle_models
@@ -44,6 +45,31 @@ def test_an_impact_beyond_its_budget_is_an_error(model):
     worlds.impacts.reset()
     worlds.d.qvel.zero_()
     worlds.step()
+
+
+def replayed(worlds):
+    """Captures a step in a graph, and runs it from the state before."""
+    qvel = worlds.qvel.copy()
+    with wp.ScopedCapture() as capture:
+        warp.step(worlds.m, worlds.d, worlds.impacts)
+    # to capture is not to run
+    np.testing.assert_array_equal(worlds.qvel, qvel)
+    wp.capture_launch(capture.graph)
+    return worlds
+
+
+def test_a_step_in_a_graph_is_a_step(model):
+    worlds = struck(model)
+    worlds.step()
+    graph = replayed(struck(model))
+    np.testing.assert_array_equal(graph.qvel, worlds.qvel)
+    assert graph.qvel[1, 2] > 0.8
+
+
+def test_what_goes_wrong_in_a_graph_is_kept_until_it_is_asked_for(model):
+    worlds = replayed(struck(model, law_steps=10))
+    with pytest.raises(mujoco_impact.ImpactError, match="in world 1"):
+        worlds.impacts.check()
 
 
 def test_an_impact_cut_short_gains_no_energy(model):
