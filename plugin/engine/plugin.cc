@@ -7,10 +7,11 @@
 #include "engine/commit.h"
 #include "engine/record/sensor.h"
 #include "engine/record/visualize.h"
+#include "engine/scene/assignment.h"
 #include "engine/scene/config.h"
-#include "engine/scene/materials.h"
 #include "engine/scene/meeting.h"
 #include "engine/scene/ownership.h"
+#include "engine/scene/texts.h"
 #include "engine/state/state.h"
 #include "engine/step.h"
 
@@ -54,20 +55,6 @@ bool WarnOfConflict(const mjModel* m, int instance) {
   return true;
 }
 
-// Whether the tuple of the instance has an element that says of no material, with a warning.
-bool WarnOfAssignment(const mjModel* m, int instance, const Config& config) {
-  const AssignmentFault fault = FindAssignmentFault(m, instance, config);
-  if (!fault.reason) return false;
-  const char* name = Name(m, mjOBJ_PLUGIN, instance);
-  if (fault.geom < 0) {
-    mju_warning("%s: the instance '%s' has materials, and %s", kPluginName, name, fault.reason);
-  } else {
-    mju_warning("%s: the number (prm) of geom '%s' in the tuple '%s' is refused; allowed: %s",
-                kPluginName, Name(m, mjOBJ_GEOM, fault.geom), name, fault.reason);
-  }
-  return true;
-}
-
 int Init(const mjModel* m, mjData* d, int instance) {
   d->plugin_data[instance] = 0;
   if (const char* fault = ModelFault(m, instance)) {
@@ -76,11 +63,12 @@ int Init(const mjModel* m, mjData* d, int instance) {
   }
   ConfigError error;
   const Config config = ReadConfig(m, instance, Ownership(m, instance).size(), &error);
+  if (!error.message[0]) error = CheckAssignment(m, instance, config);
   if (error.message[0]) {
-    mju_warning("%s", error.message);
+    // MuJoCo cuts its errors off at 500 bytes, wherever that is
+    mju_warning("%s: %.*s", kPluginName, ShownLength(error.message, 430), error.message);
     return -1;
   }
-  if (WarnOfAssignment(m, instance, config)) return -1;
   return WarnOfConflict(m, instance) ? -1 : 0;
 }
 

@@ -30,8 +30,9 @@ double Compliance(double young, double poisson);
 //
 //   e² = (C₁ e₁² + C₂ e₂²)/(C₁ + C₂)
 //
-// e_i is that of a body against one of its own material. Source: R. B. Coaplen, W. J. Stronge, B.
-// Ravani, Work equivalent composite coefficient of restitution, Int. J. Impact Eng. 30 (2004).
+// e_i is that of a body against one of its own material. Source: J. Coaplen, W. J. Stronge, B.
+// Ravani, Work equivalent composite coefficient of restitution, Int. J. Impact Eng. 30 (2004)
+// 581-591: e²/k = e₁²/k₁ + e₂²/k₂, 1/k = 1/k₁ + 1/k₂; here 1/k_i = C_i.
 double CompositeRestitution(double e1, double compliance1, double e2, double compliance2);
 
 // Hertz stiffness K [N/m^1.5]; `curvature` is 1/R1 + 1/R2 [1/m], positive.

@@ -59,6 +59,13 @@ def assign_materials(
         ConfigError: If a material or a pair cannot be read, or there is none of a name.
         SceneError: If there is no geom of a name.
     """
+    for label, given in (
+        ("materials", materials),
+        ("assign", assign),
+        ("pairs", pairs),
+    ):
+        if given is not None and not isinstance(given, Mapping):
+            raise ConfigError(f"{label} = {given!r}: must be a dict, by names")
     own = read_materials(materials or {})
     known = {**MATERIALS, **own}
     geoms = [geom.name for geom in spec.geoms if geom.name]
@@ -97,9 +104,7 @@ def _materials_of_geoms(
     """Returns the material of each geom; a name counts more than a pattern."""
     result: dict[str, str] = {}
     said_by: dict[str, str] = {}
-    if not isinstance(assign, Mapping) or not all(
-        isinstance(key, str) for key in assign
-    ):
+    if not all(isinstance(key, str) for key in assign):
         msg = f"assign={assign!r} must be names of geoms with those of their materials"
         raise ConfigError(msg)
     for key, material in assign.items():

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import mujoco
 import numpy as np
 
+from mujoco_impact.errors import ConfigError
 from mujoco_impact.ownership import fall_speed, round_up, smallest_size
 
 DEPTH = 1e-7
@@ -50,6 +51,21 @@ def default_depth(
     size = smallest_size(model, owned)
     overlap = fall_speed(model) * duration / 2
     return round_up(min(max(overlap, SMALLEST_OF_LONG * size), LARGEST * size))
+
+
+def check_depth(model: mujoco.MjModel, owned: Sequence[str], depth: float) -> None:
+    """Raises ConfigError if bodies could pass through each other above a depth.
+
+    Two owned geoms overlap by twice the depth before MuJoCo carries them. If that is
+    their width, their centres meet, and the normal of their contact turns around.
+    """
+    largest = smallest_size(model, owned)
+    if depth >= largest:
+        msg = (
+            f"depth = {depth}: must be less than {largest:.4g} m, half of the width of "
+            "the smallest owned geom, or bodies pass through each other"
+        )
+        raise ConfigError(msg)
 
 
 def _overlaps_by_rounding(model: mujoco.MjModel, owned: Sequence[str]) -> bool:

@@ -6,14 +6,13 @@ materials combine is in `docs/materials.md`, and so are the sources of `MATERIAL
 
 from __future__ import annotations
 
-import numbers
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from types import MappingProxyType
 from typing import TypeAlias, TypeVar
 
 from mujoco_impact.errors import ConfigError
-from mujoco_impact.text import closest
+from mujoco_impact.text import as_number, closest
 
 Table: TypeAlias = Mapping[float, float]
 """Restitution by closing speed [m/s]: linear between its speeds, constant beyond."""
@@ -70,10 +69,12 @@ class MaterialPair:
 MATERIALS: Mapping[str, Material] = MappingProxyType(
     {
         "cloth": Material(restitution=0.5, young=1e7, poisson=0.3, friction=0.2),
-        "cork": Material(restitution=0.5, young=3e7, poisson=0.0),
+        "cork": Material(restitution=0.5, young=3e7, poisson=0.2),
         "cushion": Material(restitution=0.85, young=2e6, poisson=0.49, friction=0.14),
         "glass": Material(restitution=0.97, young=7e10, poisson=0.2, friction=0.092),
-        "phenolic": Material(restitution=0.95, young=3.8e9, poisson=0.4, friction=0.05),
+        "phenolic": Material(
+            restitution=0.95, young=5.84e9, poisson=0.34, friction=0.05
+        ),
         "rubber": Material(restitution=0.83, young=2e6, poisson=0.49),
         "steel": Material(restitution=0.95, young=2e11, poisson=0.3),
         "wood": Material(restitution=0.6, young=1e9, poisson=0.3),
@@ -156,8 +157,9 @@ def _short(number: float) -> str:
 
 
 def _number(name: str, key: str, value: object) -> float:
-    if isinstance(value, numbers.Real) and not isinstance(value, bool):
-        return float(value)
+    number = as_number(value)
+    if number is not None:
+        return number
     msg = f"{name!r}: {key} = {value!r} must be a number"
     raise ConfigError(
         msg + (", or numbers by speed" if key == "restitution_table" else "")

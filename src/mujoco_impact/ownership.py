@@ -50,7 +50,10 @@ def select_geoms(spec: mujoco.MjSpec, names: Iterable[str] | None) -> tuple[str,
             raise SceneError(msg)
         _name_unnamed(spec, chosen)
         return tuple(geom.name for geom in chosen)
-    wanted = (names,) if isinstance(names, str) else tuple(names)
+    try:
+        wanted = (names,) if isinstance(names, str) else tuple(names)
+    except TypeError as error:
+        raise SceneError(f"geoms = {names!r}: must be names of geoms") from error
     _check_names(spec, wanted, paired)
     return wanted
 
@@ -175,7 +178,7 @@ def _check_names(
         msg = f"geoms must name at least one geom{closest('', by_name)}"
         raise SceneError(msg)
     for position, name in enumerate(wanted):
-        if name not in by_name:
+        if not isinstance(name, str) or name not in by_name:
             msg = f"there is no geom {name!r}{closest(str(name), by_name)}"
             raise SceneError(msg)
         if name in wanted[:position]:

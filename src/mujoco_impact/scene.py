@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import numbers
 from collections.abc import Iterable, Mapping, Sequence
 
 import mujoco
@@ -11,7 +10,7 @@ import mujoco
 from mujoco_impact._plugin import PLUGIN_NAME
 from mujoco_impact.assignment import Materials, Pairs, assign_materials
 from mujoco_impact.blind_sensors import warn_of_blind_sensors
-from mujoco_impact.depth import ROUNDING, default_depth
+from mujoco_impact.depth import ROUNDING, check_depth, default_depth
 from mujoco_impact.errors import ConfigError, SceneError
 from mujoco_impact.instances import remove_instances
 from mujoco_impact.ownership import (
@@ -24,6 +23,7 @@ from mujoco_impact.scene_checks import check_name, check_options, check_owned
 from mujoco_impact.settings import Setting, attributes
 from mujoco_impact.source import Source, read_spec
 from mujoco_impact.specifications import compile_spec, copy_spec
+from mujoco_impact.text import as_number
 
 
 def attach(
@@ -66,7 +66,8 @@ def attach(
             Default: 1e-7 m; 1e-6 m if bodies overlap by up to 2e-6 m in the initial
             pose, as of rounding. If `duration` is longer than a Hertz contact, what
             bodies overlap during a pulse, but 1 to 50 % of half of the width of the
-            smallest owned geom. Doubles between two owned geoms.
+            smallest owned geom. Must be less than that half. Doubles between two owned
+            geoms.
         materials: Materials by name, `Material` or a dict of its attributes, beside
             those of `MATERIALS`.
         assign: Name of the material by name of the geom, or by a pattern such as
@@ -107,6 +108,8 @@ def attach(
     # lengths of the scene are known once it is compiled, with any valid margin
     set_margins(spec, owned, gap=ROUNDING, depth=ROUNDING)
     model = _compile_with_plugin(spec, config)
+    if depth is not None:
+        check_depth(model, owned, depth)
     set_margins(
         spec,
         owned,
@@ -197,7 +200,7 @@ def _check_positive(label: str, number: float | None, allowed: str) -> None:
     """Raises ConfigError if a number is not positive and finite."""
     if number is None:
         return
-    if not (isinstance(number, numbers.Real) and math.isfinite(number) and number > 0):
+    if not 0 < (as_number(number) or 0) < math.inf:
         msg = f"{label} = {number!r}: must be a {allowed}"
         raise ConfigError(msg)
 

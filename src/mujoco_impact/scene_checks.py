@@ -36,9 +36,9 @@ def check_options(spec: mujoco.MjSpec) -> None:
 
 
 def check_name(spec: mujoco.MjSpec, name: str) -> None:
-    """Raises SceneError if the name is empty or in use."""
-    if not name:
-        msg = "name must not be empty: it is how the plugin finds its geoms"
+    """Raises SceneError if the name is no text, empty or in use."""
+    if not isinstance(name, str) or not name:
+        msg = f"name = {name!r}: must be text, by which the plugin finds its geoms"
         raise SceneError(msg)
     for kind, elements in (
         ("plugin instance", spec.plugins),

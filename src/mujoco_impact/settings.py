@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import numbers
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from types import MappingProxyType
 from typing import TypeAlias
 
 from mujoco_impact.errors import ConfigError
-from mujoco_impact.text import closest
+from mujoco_impact.text import as_number, closest
 
 Setting: TypeAlias = str | float | bool | Iterable[float]
 """A value of one setting: text, a number, a flag or a list of numbers."""
@@ -27,7 +27,7 @@ SETTINGS: Mapping[str, str] = MappingProxyType(
         "young": "Young's modulus of the balls [Pa], > 0",
         "poisson": "Poisson's ratio, > -1 and <= 0.5",
         "duration": "of the waveform: hertz | paper | a time [s] > 0",
-        "touch": "largest gap that counts as touching [m], >= 0",
+        "touch": "largest gap that counts as touching [m], 0 to 1e-3",
         "tolerance": "of the integration of an impact, relative, 1e-12 to 1e-2",
         "passive": "never create energy: true | false",
         "alpha": "calibrated law: one factor per neighbouring pair of owned geoms",
@@ -42,6 +42,10 @@ SETTINGS: Mapping[str, str] = MappingProxyType(
     }
 )
 """Name and meaning of each configuration attribute of the engine plugin."""
+
+
+LIST = "alpha"
+"""The setting that is a list of numbers, and an empty one with a single owned geom."""
 
 
 def attributes(settings: Mapping[str, Setting]) -> dict[str, str]:
@@ -72,17 +76,18 @@ def _known(key: str) -> str:
 
 def _text(key: str, value: Setting) -> str:
     """Returns the attribute text of one value."""
-    if isinstance(value, str):
+    if isinstance(value, str) and (value or key == LIST):
         return value
     # bool is a number in Python: flags come first; numpy's bool has no base class
     if isinstance(value, bool) or type(value).__name__ in ("bool_", "bool"):
         return "true" if value else "false"
-    if isinstance(value, numbers.Real):
-        return repr(float(value))
-    if isinstance(value, Iterable):
-        return " ".join(_text(key, item) for item in value)
-    msg = (
-        f"setting {key!r} = {value!r} is neither text, a number, a flag nor a "
-        f"sequence of numbers ({key}: {SETTINGS[key]})"
-    )
+    number = as_number(value)
+    if number is not None:
+        return repr(number)
+    is_no_list = isinstance(value, bytes | Mapping)
+    if key == LIST and isinstance(value, Iterable) and not is_no_list:
+        with suppress(TypeError):  # an array without a dimension
+            return " ".join(_text(key, item) for item in value)
+    kinds = "numbers" if key == LIST else "text, a number or a flag"
+    msg = f"setting {key!r} = {value!r} must be {kinds} ({key}: {SETTINGS[key]})"
     raise ConfigError(msg)

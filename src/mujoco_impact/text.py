@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import difflib
+import math
+import numbers
 from collections.abc import Iterable, Sequence
 
 MOST_NAMED = 20
@@ -22,6 +24,19 @@ def closest(name: str, names: Iterable[str]) -> str:
     shown = ", ".join(known[:MOST_NAMED])
     more = f" and {len(known) - MOST_NAMED} more" if len(known) > MOST_NAMED else ""
     return f"{hint} (available: {shown or 'none'}{more})"
+
+
+def as_number(value: object) -> float | None:
+    """Returns a value as a float, infinite if it is beyond; None if it is no number.
+
+    A flag is none.
+    """
+    if not isinstance(value, numbers.Real) or isinstance(value, bool):
+        return None
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
 
 
 def printable(text: str) -> str:

@@ -392,13 +392,43 @@ def test_geom_that_cannot_collide_is_refused(mixed: str) -> None:
         ({"young": -1.0}, "'young' = '-1.0'"),
         ({"law": "newton"}, "'law' = 'newton'"),
         ({"restitution": 1.5}, "'restitution' = '1.5'"),
-        ({"duration": None}, "'duration' = None is neither text"),
+        ({"duration": None}, "'duration' = None must be text"),
+        ({"gap": True}, "gap = True: must be a length"),
+        ({"speed": 10**400}, "speed = 10+: must be a speed"),
+        ({"depth": 1.0}, r"depth = 1.0: must be less than 0\.\d+ m, half of the width"),
+        ({"materials": "steel"}, "materials = 'steel': must be a dict"),
+        ({"assign": []}, r"assign = \[\]: must be a dict"),
+        ({"pairs": ("a", "b")}, "pairs = .*: must be a dict"),
     ],
 )
 def test_wrong_settings_are_refused(settings: dict[str, object], reason: str) -> None:
     """The message names the setting, its value and what is allowed."""
     with pytest.raises(ConfigError, match=reason):
         attach(free_ball(), **settings)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        ({"name": ""}, "name = '': must be text"),
+        ({"name": b"impact"}, "name = b'impact': must be text"),
+        ({"geoms": 1}, "geoms = 1: must be names of geoms"),
+        ({"geoms": [["ball"]]}, "there is no geom "),
+    ],
+)
+def test_wrong_names_are_refused(options: dict[str, object], reason: str) -> None:
+    """Every error is an ImpactError with one sentence."""
+    with pytest.raises(SceneError, match=reason):
+        attach(free_ball(), **options)  # type: ignore[arg-type]
+
+
+def test_the_depth_is_less_than_half_of_the_smallest_owned_geom(two_balls: str) -> None:
+    """Two of them then overlap by less than their width, and cannot change places."""
+    model = attach(two_balls).compile()
+    radius = float(model.geom_size[:, 0].min())
+    assert attach(two_balls, depth=0.999 * radius).compile().nplugin == 1
+    with pytest.raises(ConfigError, match=f"must be less than {radius:.4g} m"):
+        attach(two_balls, depth=radius)
 
 
 @pytest.mark.parametrize(

@@ -252,6 +252,10 @@ def test_the_command_line_gives_materials(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     spec = mujoco.MjSpec.from_file(str(out))
     assert list(spec.tuples[0].objprm) == [1.0, 1.0, -2.0]
+    twice = [*arguments, "ball_a=rubber", "--material", "ball_a=wood"]
+    done = CliRunner().invoke(app, twice)
+    assert done.exit_code != 0
+    assert "'ball_a' is of 'rubber' and of 'wood'" in done.output
     done = CliRunner().invoke(app, [*arguments, "rubber"])
     assert done.exit_code != 0
     assert "must be GEOM=NAME" in done.output

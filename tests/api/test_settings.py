@@ -54,10 +54,32 @@ def test_values_become_text_without_loss(value: object, text: str) -> None:
     assert attributes({"alpha": value}) == {"alpha": text}  # type: ignore[dict-item]
 
 
-def test_values_without_text_are_refused() -> None:
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("touch", 1j),
+        ("touch", None),
+        ("restitution", ""),
+        ("restitution", []),
+        ("restitution", [0.5]),
+        ("young", b"1"),
+        ("young", np.array([1e9])),
+        ("alpha", b"1"),
+        ("alpha", {"a": 1}),
+        ("alpha", np.array(1.0)),
+    ],
+)
+def test_values_without_text_are_refused(key: str, value: object) -> None:
     """The message names the setting and its value."""
-    with pytest.raises(ConfigError, match="'touch' = 1j is neither"):
-        attributes({"touch": 1j})  # type: ignore[dict-item]
+    with pytest.raises(ConfigError, match=f"'{key}' = .* must be") as refusal:
+        attributes({key: value})  # type: ignore[dict-item]
+    assert repr(value) in str(refusal.value)
+
+
+def test_a_number_larger_than_any_float_is_refused_as_infinite(two_balls: str) -> None:
+    """And not as an overflow."""
+    with pytest.raises(ConfigError, match="'young' = 'inf' is refused"):
+        attach(two_balls, young=10**400)
 
 
 @pytest.mark.parametrize("settings", [VALID, CALIBRATED])

@@ -171,6 +171,21 @@ def test_the_default_png_is_the_first_impact(
     assert (still(default) == still(there)).all()
 
 
+@pytest.mark.usefixtures("gl")
+def test_a_motion_that_starts_late_is_shown_from_its_start(
+    scene: mujoco.MjSpec, tmp_path: Path
+) -> None:
+    """A keyframe has a time, which is that of the first picture."""
+    scene = scene.copy()
+    scene.add_key(name="late", time=5.0, qpos=scene.compile().qpos0)
+    late = mujoco_impact.run(scene, duration=0.2, keyframe="late")
+    path = late.render(scene, tmp_path / "late.webp", fps=10, keyframe="late")
+    with Image.open(path) as film:
+        assert film.n_frames == 3
+    with pytest.raises(ConfigError, match=r"a time of the motion, 5 to 5\.2 s"):
+        late.render(scene, tmp_path / "late.png", at=0.1, keyframe="late")
+
+
 def test_rotations_between_samples_are_rotations() -> None:
     """Half-way between two quaternions of a quarter turn lies an eighth."""
     model = mujoco.MjModel.from_xml_string(BALL_AND_WALL)
@@ -190,6 +205,7 @@ def test_rotations_between_samples_are_rotations() -> None:
         ({"fps": 0}, "fps = 0: must be 1 to 120"),
         ({"speed": 1e-6}, "allowed: 20000"),
         ({"camera": "fron"}, "did you mean 'front'?"),
+        ({"at": 0.1}, "at = 0.1: only a .png is of one time"),
     ],
 )
 @pytest.mark.usefixtures("gl")
@@ -307,6 +323,7 @@ def test_the_command_compares(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     )
     assert result.exit_code == 0, result.output
     assert "Hertz reference" in result.output
+    assert "picture: three.png" in result.output
     picture = still(tmp_path / "three.png")
     assert picture.shape[1] == 3 * 120 + 2 * 4
     mujocos, ours, truth = (picture[22:112, x : x + 120] for x in (0, 124, 248))
@@ -320,6 +337,10 @@ def test_the_command_compares(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     [
         (["--size", "12"], "--size '12': must be WxH"),
         (["--out", "x.avi"], "must end in"),
+        (["--out", "x.png", "--at", "0.2"], "a time of the motion, 0 to 0.1 s"),
+        (["--out", "x.png", "--at", "-1"], "a time of the motion, 0 to 0.1 s"),
+        (["--out", "x.png", "--at", "nan"], "a time of the motion, 0 to 0.1 s"),
+        (["--at", "0.1"], "only a .png is of one time"),
         (["--camera", "x"], "there is no camera 'x'"),
         (["--geoms", "x"], "there is no geom 'x'"),
         (["--closing-speed", "0"], "--closing-speed 0.0: must be a speed > 0 [m/s]"),

@@ -62,20 +62,26 @@ def compile_with(config, option="", third=("geom", "c")):
         ({"dissipation": "viscous", "restitution": "0"}, "restitution", "[0.05, 1]"),
         ({"duration": "long"}, "duration", "'hertz', 'paper' or"),
         ({"duration": "0"}, "duration", "> 0 [s]"),
-        ({"touch": "-1e-9"}, "touch", ">= 0 [m]"),
+        ({"touch": "-1e-9"}, "touch", "[0, 1e-3] [m]"),
+        ({"touch": "0.01"}, "touch", "[0, 1e-3] [m]"),
         ({"tolerance": "0"}, "tolerance", "[1e-12, 1e-2]"),
         ({"tolerance": "0.1"}, "tolerance", "[1e-12, 1e-2]"),
         ({"passive": "yes"}, "passive", "'true' or 'false'"),
         ({"alpha": "1 1"}, "alpha", "law = 'calibrated'"),
         (CALIBRATED | {"alpha": "1 1 1"}, "alpha", "3 given, 2 needed"),
         (CALIBRATED | {"alpha": ""}, "alpha", "0 given, 2 needed"),
-        (CALIBRATED | {"alpha": "1 x"}, "alpha", "one finite number >= 0"),
-        (CALIBRATED | {"alpha": "1 -1"}, "alpha", "one finite number >= 0"),
-        ({"law": "calibrated", "alpha": "1 1"}, "sh", "> 0"),
-        (CALIBRATED | {"sh": "0"}, "sh", "> 0"),
-        (CALIBRATED | {"sw": "-1"}, "sw", ">= 0"),
-        (CALIBRATED | {"w0": "0"}, "w0", "> 0 [s]"),
-        (CALIBRATED | {"kappa": "-1"}, "kappa", ">= 0"),
+        (CALIBRATED | {"alpha": "1 x"}, "alpha", "one number in [0, 1e25]"),
+        (CALIBRATED | {"alpha": "1 -1"}, "alpha", "one number in [0, 1e25]"),
+        (CALIBRATED | {"alpha": "1 1e26"}, "alpha", "one number in [0, 1e25]"),
+        ({"law": "calibrated", "alpha": "1 1"}, "sh", "(0, 1e25]"),
+        (CALIBRATED | {"sh": "0"}, "sh", "(0, 1e25]"),
+        (CALIBRATED | {"sh": "1e26"}, "sh", "(0, 1e25]"),
+        (CALIBRATED | {"sw": "-1"}, "sw", "[0, 1e25]"),
+        (CALIBRATED | {"sw": "1e300"}, "sw", "[0, 1e25]"),
+        (CALIBRATED | {"w0": "0"}, "w0", "(0, 1e25] [s]"),
+        (CALIBRATED | {"w0": "1e300"}, "w0", "(0, 1e25] [s]"),
+        (CALIBRATED | {"kappa": "-1"}, "kappa", "[0, 1e25]"),
+        (CALIBRATED | {"kappa": "1e300"}, "kappa", "[0, 1e25]"),
         (CALIBRATED | {"e": "2"}, "e", "[0, 1]"),
         (CALIBRATED | {"friction": "coulomb"}, "friction", "with law = 'calibrated'"),
         ({"friction": "rolling"}, "friction", "'coulomb', 'none' or 'paper'"),
@@ -177,15 +183,43 @@ def test_a_tuple_of_something_else_is_refused():
         compile_with({}, third=("body", "world"))
 
 
+@pytest.mark.parametrize("materials", ["", "x; y"])
 @pytest.mark.parametrize("number", ["3", "-3", "0.5"])
-def test_a_geom_of_no_known_material_is_refused(number):
+def test_a_geom_of_no_known_material_is_refused(number, materials):
     xml = TEMPLATE.format(
-        config='<config key="materials" value="x; y"/>',
+        config=f'<config key="materials" value="{materials}"/>',
         option="",
         third="geom",
         third_name=f'c" prm="{number}',
     )
-    with pytest.raises(ValueError, match=r"number \(prm\) of geom 'c' in the tuple"):
+    count = 2 if materials else 0
+    reason = (
+        rf"number \(prm\) of geom 'c' in the tuple 'impact' is {number}, and the "
+        f"instance has {count} materials; allowed: whole numbers up to that"
+    )
+    with pytest.raises(ValueError, match=reason):
+        mujoco.MjModel.from_xml_string(xml)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "told"),
+    [
+        (1, 2, "once of 'x' and once of 'y'"),
+        (2, 1, "once of 'y' and once of 'x'"),
+        (0, -2, "once of no material and once of 'y'"),
+        (0, 0, "once of no material and once of no material"),
+    ],
+)
+def test_a_geom_is_named_once_in_a_tuple(first, second, told):
+    """Which of two materials it has would depend on their order."""
+    xml = TEMPLATE.format(
+        config='<config key="materials" value="x; y"/>',
+        option="",
+        third="geom",
+        third_name=f'b" prm="{second}',
+    ).replace('objname="b"/>', f'objname="b" prm="{first}"/>', 1)
+    reason = f"geom 'b' is named twice in the tuple 'impact', {told}"
+    with pytest.raises(ValueError, match=reason):
         mujoco.MjModel.from_xml_string(xml)
 
 

@@ -9,6 +9,7 @@ import pytest
 
 import mujoco_impact
 from mujoco_impact import MATERIALS, Material, MaterialPair, attach
+from mujoco_impact.errors import ConfigError
 
 RADIUS, HEIGHT, MASS, GRAVITY = 0.03, 0.3, 0.1, 9.81
 
@@ -110,6 +111,48 @@ def test_three_instances_on_one_table_in_any_order_of_attaching(order):
         assert found[f"ball_{name}"] == pytest.approx(e**2, abs=REBOUND)
 
 
+@pytest.mark.parametrize("told", [{"ball_rubber": "rubber"}, {}])
+@pytest.mark.parametrize("last", ["one", "other"])
+def test_instances_say_the_same_of_a_geom_that_one_of_them_owns(told, last):
+    """Its contacts would have the material that the instance attached first says."""
+    instances = {
+        "one": {"geoms": ["ball_steel"], "assign": {"ball_rubber": "steel"}},
+        "other": {"geoms": ["ball_rubber"], "assign": told},
+    }
+    final = instances.pop(last)
+    ((name, first),) = instances.items()
+    spec = attach(table_of(("steel", "rubber")), name=name, **first)
+    owned = "of 'rubber'" if told else "of no material"
+    reason = (
+        "'ball_rubber' is of 'steel' in the tuple 'one' and "
+        f"{owned} in the instance 'other', which owns it"
+    )
+    with pytest.raises(ConfigError, match=reason):
+        attach(spec, name=last, **final)
+
+
+def test_materials_of_one_name_are_the_same_in_all_instances_that_say_them():
+    spec = attach(
+        table_of(("steel", "rubber")),
+        geoms=["ball_steel"],
+        name="one",
+        materials={"own": SOFT},
+        assign={"ball_rubber": "own"},
+    )
+    again = {
+        "geoms": ["ball_rubber"],
+        "name": "other",
+        "assign": {"ball_rubber": "own"},
+    }
+    assert (
+        attach(spec, materials={"own": replace(SOFT)}, **again).compile().nplugin == 2
+    )
+    with pytest.raises(
+        ConfigError, match="is of 'own' in the tuple 'one' and of 'own'"
+    ):
+        attach(spec, materials={"own": HARD}, **again)
+
+
 HEAD_ON = """
 <mujoco><option timestep=".001" gravity="0 0 0"/>
   <default><joint type="slide" axis="1 0 0"/><geom size=".02" mass=".1"/></default>
@@ -202,6 +245,23 @@ def test_a_table_of_restitutions_is_linear_between_and_constant_beyond(speed, e)
         HEAD_ON, materials={"of": {"restitution_table": table}}, assign={"*": "of"}
     )
     assert restitution_of(spec, speed) == pytest.approx(e, rel=1e-9)
+
+
+def test_what_comes_faster_but_later_leaves_a_restitution_as_it_is():
+    """Two contacts of one step, half a millisecond apart: each has its own speed."""
+    spec = attach(
+        ROW, speed=3, materials={"of": {"restitution_loss": 0.3}}, assign={"*": "of"}
+    )
+    model = spec.compile()
+    qpos = [0.0002 - 0.00001, 0.0, 0.001]
+    motion = mujoco_impact.run(model, duration=0.002, qpos=qpos, qvel=[0.1, 0, -2.0])
+    slow, fast = motion.impacts
+    assert (slow.geoms, fast.geoms) == (("a", "b"), ("b", "c"))
+    # the second strikes what the first has sent towards it
+    for impact in (slow, fast):
+        e = 1 - 0.3 * impact.closing_speed**0.2
+        assert impact.restitution == pytest.approx(e, rel=1e-9)
+    assert slow.closing_speed == pytest.approx(0.1, rel=1e-6)
 
 
 def test_a_loss_that_is_too_large_ends_at_nothing():

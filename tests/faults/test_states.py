@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from pulse_scenes import finite, in_mid_pulse, momentum, row
 
+from mujoco_impact.mujoco_warnings import collected_warnings
 from mujoco_impact.pulses import LAYOUT_VERSION
-from mujoco_impact.runner import collected_warnings
 
 FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
@@ -93,7 +93,7 @@ def test_a_scene_recompiled_without_a_body_goes_on():
     for element in spec.tuples:
         element.objname = ["one", "two"]
         element.objtype = [mujoco.mjtObj.mjOBJ_GEOM] * 2
-        element.objprm = [1.0] * 2
+        element.objprm = [0.0] * 2
     with collected_warnings():
         model, data = spec.recompile(model, data)
         before = momentum(model, data)

@@ -35,11 +35,12 @@ IslandProblem MakeProblem(const mjModel* m, const Config& config, const Material
     problem.gap[k] = row.gap <= config.touch ? 0 : row.gap;
     problem.stiffness[k] =
         law::HertzStiffness(materials.EffectiveModulus(*row.contact), row.curvature);
-    fastest = std::max(fastest, closing);
+    if (problem.gap[k] == 0) fastest = std::max(fastest, closing);
   }
   for (int k = 0; k < n; ++k) {
+    const mjtNum speed = std::max(fastest, problem.closing_speed[k]);
     problem.restitution[k] = config.law == Law::kHertz
-                                 ? materials.Restitution(*system.row[k].contact, fastest)
+                                 ? materials.Restitution(*system.row[k].contact, speed)
                                  : config.waveform_restitution;
   }
   return problem;

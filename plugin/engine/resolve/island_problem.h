@@ -31,8 +31,9 @@ struct IslandProblem {
   Tangents* tangents = nullptr;  // null: no contact has friction
 };
 
-// Restitution is that at the speed of the fastest closing: a contact that others press does not
-// close by itself.
+// Restitution is that at the speed of the fastest closing of the contacts that touch: a contact
+// that others press does not close by itself. One that has yet to touch may close faster, and
+// later, or not at all: its speed is its own alone.
 IslandProblem MakeProblem(const mjModel* m, const Config& config, const Materials& materials,
                           const IslandSystem& system, const mjtNum* velocity, Tangents* tangents,
                           Scratch& scratch);

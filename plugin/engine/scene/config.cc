@@ -37,18 +37,20 @@ constexpr char kDynamic[] = "mu_d";
 constexpr char kMaterials[] = "materials";
 constexpr char kPairs[] = "material_pairs";
 
-constexpr NumberRule kTouchRule{
-    kTouch, 1e-9, 0, kUnbounded, true, false, "a finite number >= 0 [m]"};
+// Bodies that come closer sink into each other by as much before it is an impact.
+constexpr NumberRule kTouchRule{kTouch, 1e-9, 0, 1e-3, true, true, "a number in [0, 1e-3] [m]"};
 constexpr NumberRule kToleranceRule{
     kTolerance, law::kDefaultTolerance,     law::kSmallestTolerance, law::kLargestTolerance, true,
     true,       "a number in [1e-12, 1e-2]"};
+// Factors of equation (6) and α, whose products of five are squared in a balance of energy.
+constexpr double kLargestFactor = 1e25;
 constexpr NumberRule kHeightRule{
-    kHeight, 0, 0, kUnbounded, false, false, "a finite number > 0 [N s/(kg m)]"};
-constexpr NumberRule kWidthRule{kWidth, 0, 0, kUnbounded, true, false, "a finite number >= 0"};
+    kHeight, 0, 0, kLargestFactor, false, true, "a number in (0, 1e25] [N s/(kg m)]"};
+constexpr NumberRule kWidthRule{kWidth, 0, 0, kLargestFactor, true, true, "a number in [0, 1e25]"};
 constexpr NumberRule kBaseWidthRule{
-    kBaseWidth, 7.5e-3, 0, kUnbounded, false, false, "a finite number > 0 [s]"};
-constexpr NumberRule kUnitFactorRule{kUnitFactor,           0.083, 0, kUnbounded, true, false,
-                                     "a finite number >= 0"};
+    kBaseWidth, 7.5e-3, 0, kLargestFactor, false, true, "a number in (0, 1e25] [s]"};
+constexpr NumberRule kUnitFactorRule{
+    kUnitFactor, 0.083, 0, kLargestFactor, true, true, "a number in [0, 1e25]"};
 constexpr NumberRule kShapeRule{kShape, 1, 0, 1, true, true, "a number in [0, 1]"};
 constexpr NumberRule kStaticRule{kStatic, 0, 0, kUnbounded, true, false, "a finite number >= 0"};
 constexpr NumberRule kDynamicRule{kDynamic, 0, 0, kUnbounded, true, false, "a finite number >= 0"};
@@ -56,7 +58,7 @@ constexpr NumberRule kSecondsRule{
     kDuration, 0, 0, kUnbounded, false, false, "'hertz', 'paper' or a finite number > 0 [s]"};
 
 constexpr char kAlphaAllowed[] =
-    "one finite number >= 0 per neighbouring pair of owned geoms, separated by spaces";
+    "one number in [0, 1e25] per neighbouring pair of owned geoms, separated by spaces";
 
 constexpr char kMaterialsAllowed[] =
     "entries such as 'steel restitution=0.95 young=2e11', separated by semicolons";
@@ -87,10 +89,8 @@ class Reader {
     const int shown = ShownLength(text, kShown);
     const bool cut = shown < static_cast<int>(text.size());
     std::snprintf(error_->message, sizeof(error_->message),
-                  "mujoco_impact.waveform: attribute '%s' = '%.*s%s' is refused%s; allowed: %s",
-                  name, shown, text.data(), cut ? "..." : "", note, allowed);
-    // MuJoCo cuts its errors off at 500 bytes, wherever that is
-    error_->message[ShownLength(error_->message, 450)] = '\0';
+                  "attribute '%s' = '%.*s%s' is refused%s; allowed: %s", name, shown, text.data(),
+                  cut ? "..." : "", note, allowed);
   }
 
   double Number(const NumberRule& rule) {
@@ -158,7 +158,8 @@ void CheckAlpha(Reader& reader, const Config& config, int owned) {
   }
   std::vector<double> alpha(count);
   ReadList(config.alpha, alpha.data(), count);
-  const bool good = std::all_of(alpha.begin(), alpha.end(), [](double a) { return a >= 0; });
+  const bool good = std::all_of(alpha.begin(), alpha.end(),
+                                [](double a) { return a >= 0 && a <= kLargestFactor; });
   if (!good) reader.Refuse(kAlpha, kAlphaAllowed);
 }
 

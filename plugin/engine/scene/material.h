@@ -38,6 +38,7 @@ struct RestitutionRule {
 
   double At(double u) const;
   bool IsElastic() const;
+  bool operator==(const RestitutionRule&) const = default;
 };
 
 // The same restitution at every speed.
@@ -52,6 +53,8 @@ struct Material {
   double poisson;     // [-]
   double friction;    // μ in impacts [-], or kOfGeom
   double compliance;  // (1 − ν²)/E [1/Pa]
+
+  bool operator==(const Material&) const = default;
 };
 
 // What counts between two materials instead of what follows from each of them.

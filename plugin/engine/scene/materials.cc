@@ -110,22 +110,4 @@ double Materials::Friction(const mjContact& contact) const {
   return std::max(FrictionOf(m_, geom[0], *one), FrictionOf(m_, geom[1], *other));
 }
 
-AssignmentFault FindAssignmentFault(const mjModel* m, int instance, const Config& config) {
-  const int count = CountEntries(config.materials);
-  const TupleElements elements = ElementsOf(m, instance);
-  if (count == 0) return {-1, nullptr};
-  if (elements.size == 0) return {-1, "no tuple of its name says which geoms are of them"};
-  for (int i = 0; i < elements.size; ++i) {
-    const mjtNum number = elements.number[i];
-    if (number != std::round(number) || std::abs(number) > count) {
-      return {elements.geom[i], "whole numbers up to the number of materials; negative: not owned"};
-    }
-    if (number < 0) continue;
-    if (i > 0 && elements.number[i - 1] < 0) {
-      return {elements.geom[i], "geoms that are not owned, with negative numbers, come last"};
-    }
-  }
-  return {-1, nullptr};
-}
-
 }  // namespace mujoco_impact::engine

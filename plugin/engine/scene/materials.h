@@ -62,14 +62,6 @@ class Materials {
   bool elastic_;
 };
 
-// The first element of the tuple of an instance that is no number of a material.
-struct AssignmentFault {
-  int geom;            // −1: there is no tuple
-  const char* reason;  // null: all are good
-};
-
-AssignmentFault FindAssignmentFault(const mjModel* m, int instance, const Config& config);
-
 }  // namespace mujoco_impact::engine
 
 #endif  // MUJOCO_IMPACT_ENGINE_SCENE_MATERIALS_H_

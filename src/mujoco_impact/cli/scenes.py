@@ -118,7 +118,11 @@ def assigned(materials: list[str] | None) -> dict[str, str] | None:
         if not (geom and equals and name):
             msg = f"--material {text!r}: must be GEOM=NAME, such as 'ball*=rubber'"
             raise ConfigError(msg)
-        result[geom] = name
+        if result.setdefault(geom, name) != name:
+            msg = (
+                f"--material: {geom!r} is of {result[geom]!r} and of {name!r}; give one"
+            )
+            raise ConfigError(msg)
     return result or None
 
 

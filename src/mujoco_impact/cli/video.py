@@ -98,7 +98,7 @@ def video(
         view.times(duration)
         # told before anything is computed
         check_outputs(target)
-        videos.check_rendering(target)
+        videos.check_rendering(target, at)
         law = parsed_settings(settings, params, friction=friction)
         attaching = parsed_settings(None, geoms=geom_names(geoms), speed=closing_speed)
         spec = scene_of(
@@ -121,7 +121,8 @@ def video(
         for panel in panels:
             drawn = f" (impacts drawn: {len(panel.impacts)})" if panel.impacts else ""
             console.out(f"{panel.caption}{drawn}")
-        console.out(f"video: {written}")
+        kind = "picture" if written.suffix.lower() == ".png" else "video"
+        console.out(f"{kind}: {written}")
 
 
 def _panels(

@@ -84,18 +84,22 @@ class View:
         return [picture * self.speed / self.fps for picture in range(count)]
 
 
-def check_rendering(path: str | os.PathLike[str]) -> None:
+def check_rendering(path: str | os.PathLike[str], at: float | None = None) -> None:
     """Raises an error if a video of that name cannot be made here.
 
     Args:
         path: File that is to be written.
+        at: Time of a .png [s], if it was asked for.
 
     Raises:
         RenderingError: If nothing renders here.
         MissingExtraError: If a library is missing.
-        ConfigError: If the ending is not known.
+        ConfigError: If the ending is not known, or not that of one picture.
     """
-    encode.check_target(path)
+    ending = encode.check_target(path)
+    if at is not None and ending != ".png":
+        msg = f"at = {at}: only a .png is of one time, not {os.fspath(path)!r}"
+        raise ConfigError(msg)
     backend_name()
 
 
@@ -128,12 +132,17 @@ def write_video(
     Raises:
         RenderingError: If nothing renders here.
         MissingExtraError: If a library is missing.
-        ConfigError: If the view or the ending of the path is not valid.
+        ConfigError: If the view, the ending of the path or the time is not valid.
         SceneError: If the model or the camera is not valid.
     """
-    check_rendering(path)
+    check_rendering(path, at)
     view = view or View()
-    times: Sequence[float] = view.times(max(float(panel.time[-1]) for panel in panels))
+    begin = min(float(panel.time[0]) for panel in panels)
+    end = max(float(panel.time[-1]) for panel in panels)
+    if at is not None and not begin <= at <= end:
+        msg = f"at = {at}: must be a time of the motion, {begin:g} to {end:g} s"
+        raise ConfigError(msg)
+    times: Sequence[float] = [begin + time for time in view.times(end - begin)]
     if Path(path).suffix.lower() == ".png":
         times = [_telling_time(panels) if at is None else at]
     times = encode.with_previews(times, path)

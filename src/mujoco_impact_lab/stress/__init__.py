@@ -11,14 +11,14 @@ from __future__ import annotations
 from mujoco_impact_lab.stress.case import Case
 from mujoco_impact_lab.stress.draw import case_of
 from mujoco_impact_lab.stress.evidence import Evidence
-from mujoco_impact_lab.stress.families import BALLS, FAMILIES, SHAPES
+from mujoco_impact_lab.stress.families import BALLS, FAMILIES, MATERIALS, SHAPES
 from mujoco_impact_lab.stress.family import AnyCase, Family
 from mujoco_impact_lab.stress.invariants import INVARIANTS
 from mujoco_impact_lab.stress.limits import LIMITS, limit_of
 from mujoco_impact_lab.stress.methods import DEFAULTS, METHODS, OURS, TUNED
 from mujoco_impact_lab.stress.shrink import shrunk
 from mujoco_impact_lab.stress.summary import Summary, summarise
-from mujoco_impact_lab.stress.sweep import Outcome, judge, sweep
+from mujoco_impact_lab.stress.sweep import Outcome, digest, judge, sweep
 
 __all__ = [
     "BALLS",
@@ -26,6 +26,7 @@ __all__ = [
     "FAMILIES",
     "INVARIANTS",
     "LIMITS",
+    "MATERIALS",
     "METHODS",
     "OURS",
     "SHAPES",
@@ -37,6 +38,7 @@ __all__ = [
     "Outcome",
     "Summary",
     "case_of",
+    "digest",
     "judge",
     "limit_of",
     "shrunk",

@@ -36,7 +36,7 @@ _SWEEP = frozenset(
 def stress(
     context: typer.Context,
     family: Annotated[
-        str, typer.Option(help="Kind of random scenes: balls or shapes.")
+        str, typer.Option(help="Kind of random scenes: balls, shapes or materials.")
     ] = "balls",
     cases: Annotated[int, typer.Option(min=1, help="Random scenes to judge.")] = 100,
     first: Annotated[

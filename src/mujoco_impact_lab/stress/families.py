@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 from mujoco_impact_lab.stress import shapes
 from mujoco_impact_lab.stress.draw import case_of
 from mujoco_impact_lab.stress.evidence import Evidence
@@ -48,4 +50,20 @@ sees in a step. The plugin is attached with its default arguments and the restit
     simplifications=shapes.simplifications,
 )
 
-FAMILIES = {family.name: family for family in (BALLS, SHAPES)}
+MATERIALS = dataclasses.replace(
+    SHAPES,
+    name="materials",
+    about="""\
+The scenes of shapes, by the same seeds, with one to four materials. A geom in five is
+of none, and a property in five is left to the settings. Young's modulus 1e6 to 3e11 Pa;
+Poisson's ratio 0 to 0.5; friction 0 to 1.5; restitution 0, 1 and between, or falling
+with the fifth root of the speed, or a table of up to four speeds. A pair of materials
+in five, and a pair of geoms in twenty, has a restitution, friction and contact modulus
+of its own.
+""",
+    methods=(OURS,),
+    case_of=shapes.case_with_materials,
+    invariants=(*shapes.INVARIANTS, *shapes.MATERIAL_INVARIANTS),
+)
+
+FAMILIES = {family.name: family for family in (BALLS, SHAPES, MATERIALS)}

@@ -56,7 +56,7 @@ def section(
         _machine(summary, elapsed),
         _promises(family),
         *(_method(summary, method) for method in summary.methods),
-        _comparison(family, summary),
+        _comparison(family, summary) if len(family.methods) > 1 else "",
         _limits(family, summary),
         _long_runs(runs) if runs else "",
     ]

@@ -54,6 +54,7 @@ class Case:
         spin: Usual surface speed of turning over that of moving.
         clearance: Between trees, and above the floor, over `size`.
         steps: Steps to run.
+        materials: How many there are, beside none; `materials_of` draws them.
     """
 
     seed: int
@@ -74,6 +75,7 @@ class Case:
     spin: float
     clearance: float
     steps: int
+    materials: int = 0
 
     @property
     def has_arms(self) -> bool:
@@ -94,4 +96,5 @@ class Case:
             f"condim {self.condim} {self.cone} {self.jacobian}, "
             f"h {self.timestep:.2g} s {self.integrator}, pace {self.pace:.2g}, "
             f"spin {self.spin:.2g}, clearance {self.clearance:.2g}, {self.steps} steps"
+            + (f", {self.materials} materials" if self.materials else "")
         )

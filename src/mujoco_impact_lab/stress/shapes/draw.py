@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
 from mujoco_impact_lab.stress.case import INTEGRATORS
@@ -16,7 +18,7 @@ PACE = (0.05, 0.7)
 CLEARANCE = (1e-3, 0.3)
 STEPS = (50, 200)
 
-MOST_TREES, MOST_GEOMS, MOST_LINKS = 4, 3, 3
+MOST_TREES, MOST_GEOMS, MOST_LINKS, MOST_MATERIALS = 4, 3, 3, 4
 
 JOINT_ODDS = (0.4, 0.06, 0.06, 0.08, 0.1, 0.08, 0.12, 0.1)
 """How often each of `JOINTS` is drawn."""
@@ -57,6 +59,14 @@ def case_of(seed: int) -> Case:
         clearance=logarithmic(random, *CLEARANCE),
         steps=int(logarithmic(random, *STEPS)),
     )
+
+
+def case_with_materials(seed: int) -> Case:
+    """Returns the case of a seed with what its geoms are made of."""
+    materials = np.random.default_rng((seed, 9)).integers(
+        1, MOST_MATERIALS, endpoint=True
+    )
+    return dataclasses.replace(case_of(seed), materials=int(materials))
 
 
 def _tree(random: np.random.Generator, number: int, *, simple: bool) -> Tree:

@@ -8,7 +8,8 @@ from functools import cached_property
 import mujoco
 import numpy as np
 
-from mujoco_impact.runner import collected_warnings
+from mujoco_impact.impact import Impact
+from mujoco_impact.mujoco_warnings import collected_warnings
 from mujoco_impact.trajectory import Array
 from mujoco_impact_lab.stress.methods import OURS
 from mujoco_impact_lab.stress.observe import Observation, energies, observe
@@ -42,6 +43,19 @@ class Evidence:
     def again(self) -> Observation:
         """The same once more, with data of its own."""
         return observe(self.scene.model, self.scene.qvel, self.case.steps)
+
+    @cached_property
+    def renamed(self) -> Observation:
+        """The same with its materials named the other way round."""
+        scene = scene_of(self.case, self.method, renamed=True)
+        return observe(scene.model, scene.qvel, self.case.steps)
+
+    @cached_property
+    def single(self) -> dict[int, Impact]:
+        """The impacts that began alone in their step, by its number."""
+        first = np.cumsum(self.run.begun) - self.run.begun
+        steps = np.flatnonzero(self.run.begun == 1)
+        return {int(step): self.run.impacts[first[step]] for step in steps}
 
     @cached_property
     def alone(self) -> Observation:

@@ -83,6 +83,32 @@ def kept_spin(evidence: Evidence) -> float | None:
     return worst
 
 
+def restitution(evidence: Evidence) -> float | None:
+    """Largest error of the energy that an impact of one contact takes in a step.
+
+    Over the largest kinetic energy, and beyond what the integrator makes of the step,
+    where that is less than the bound.
+    Of contacts without friction, those of dimension 1, without gravity, which works
+    while a pulse lasts, and without arms. A contact that closes with u and delivers the
+    impulse P takes (1 − e) P u / 2, with the e of the contact.
+    """
+    case, run = evidence.case, evidence.run
+    if case.condim > 1 or case.gravity or case.has_arms or not run.is_sound:
+        return None
+    errors = []
+    for stretch in stretches(evidence):
+        step = stretch.first
+        if stretch.native or stretch.steps > 1 or step not in evidence.single:
+            continue
+        if stretch.integration > GROWTH:
+            continue
+        impact = evidence.single[step]
+        lost = (1 - impact.restitution) * impact.impulse * impact.closing_speed / 2
+        error = abs(evidence.gained[step] + lost) / evidence.kinetic
+        errors.append(max(0.0, error - stretch.integration))
+    return max(errors, default=None)
+
+
 def axis_missed(evidence: Evidence) -> float:
     """Returns by how much lines of contact miss axes of symmetry, over the size.
 
@@ -187,6 +213,14 @@ INVARIANTS = (
         1e-9,
         "rounding; in parts of the fastest turn, or speed over half-width",
         kept_spin,
+    ),
+    Invariant(
+        "restitution",
+        "an impact of one contact without friction takes what its e says",
+        GROWTH,
+        "as for impact energy, beyond what the integrator makes of the step",
+        restitution,
+        ours_only=True,
     ),
     NO_PULL,
     Invariant(

@@ -13,7 +13,10 @@ from mujoco_impact_lab.stress.shapes.invariants import GROWTH, axis_missed, kept
 from mujoco_impact_lab.stress.shapes.stretches import Stretch, stretches
 
 SECOND_ORDER = 5.0
-"""Growth of the energy over the square of the angle turned in a step."""
+"""Growth of the energy over the square of the angle turned in a stretch."""
+
+SMALL = 0.1
+"""Largest angle of a stretch whose square tells anything [rad]."""
 
 LEVER = 10.0
 """Change of spin that an arm explains, over the arm: (1 + e) m u a = 2/5 m r² ω, and as
@@ -54,19 +57,19 @@ def _is_second_order(evidence: Evidence) -> bool:
         and (evidence.case.has_arms or stretch.last > stretch.first)
     ]
     return bool(offending) and all(
-        stretch.growth <= SECOND_ORDER * _turn(evidence, stretch) ** 2
+        stretch.growth <= SECOND_ORDER * min(SMALL, _turn(evidence, stretch)) ** 2
         for stretch in offending
     )
 
 
 def _turn(evidence: Evidence, stretch: Stretch) -> float:
-    """Returns the largest angle of a joint in a step of the stretch [rad]."""
+    """Returns a bound of the angle that a joint turns in a stretch [rad]."""
     model = evidence.scene.model
     velocities = evidence.run.qvel[stretch.first : stretch.last + 2]
     turning = [np.abs(velocities[:, _rotations(model, joint)]) for joint in
                range(model.njnt)]  # fmt: skip
     fastest = max((float(part.max()) for part in turning if part.size), default=0.0)
-    return fastest * float(model.opt.timestep)
+    return fastest * float(model.opt.timestep) * stretch.steps
 
 
 def _rotations(model: mujoco.MjModel, joint: int) -> list[int]:
@@ -114,8 +117,9 @@ LIMITS = (
     Limit(
         "bent arms",
         "a tree of several joints, whose inertia changes along the path that an impact "
-        "bends, or a pulse longer than a step; growth up to 5 times the square of the "
-        "angle that a joint turns in a step",
+        "bends, or a pulse longer than a step, which keeps its line while bodies turn; "
+        "growth up to 5 times the square of the angle that a joint turns meanwhile, "
+        "0.1 rad at most",
         frozenset({"impact energy"}),
         _is_second_order,
     ),

@@ -13,6 +13,7 @@ from mujoco_impact_lab.stress.methods import OURS
 from mujoco_impact_lab.stress.shapes.bodies import Built, direction, tree_of
 from mujoco_impact_lab.stress.shapes.case import Case
 from mujoco_impact_lab.stress.shapes.floor import Floor, floor_mjcf, floor_of
+from mujoco_impact_lab.stress.shapes.materials import Materials, materials_of
 
 AIM = 0.15
 """How far off the mark trees go, over their speed."""
@@ -28,6 +29,7 @@ class Scene:
         apart: Without any contact, and without the plugin; its states are the same.
         qvel: Velocity at the start, shape (nv,).
         floor: None in free space.
+        materials: Of the geoms.
     """
 
     spec: mujoco.MjSpec
@@ -35,17 +37,25 @@ class Scene:
     apart: mujoco.MjModel
     qvel: Array
     floor: Floor | None
+    materials: Materials
 
 
-def scene_of(case: Case, method: str = OURS) -> Scene:
-    """Returns the scene of a case under one of `METHODS`."""
+def scene_of(case: Case, method: str = OURS, *, renamed: bool = False) -> Scene:
+    """Returns the scene of a case under one of `METHODS`.
+
+    Args:
+        case: The case.
+        method: The method.
+        renamed: Whether its materials have each other's names.
+    """
     trees = [tree_of(case, tree) for tree in case.trees]
     places = _places(case, trees)
     centres = np.vstack([t.centres + p for t, p in zip(trees, places, strict=True)])
     floor = floor_of(case, centres, np.concatenate([tree.reaches for tree in trees]))
     plain = mujoco.MjSpec.from_string(_mjcf(case, trees, places, floor))
+    materials = materials_of(case, [g.name for g in plain.geoms], renamed=renamed)
     # speeds are over what our contacts see, whatever the method
-    spec = attach(plain, restitution=case.restitution)
+    spec = attach(plain, restitution=case.restitution, **vars(materials))
     model = spec.compile()
     qvel = _velocity(case, model, places, floor)
     if method != OURS:
@@ -53,7 +63,7 @@ def scene_of(case: Case, method: str = OURS) -> Scene:
     spec.add_key(name="start", qvel=qvel)
     apart = plain.compile()
     apart.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
-    return Scene(spec, model, apart, qvel, floor)
+    return Scene(spec, model, apart, qvel, floor, materials)
 
 
 def _places(case: Case, trees: list[Built]) -> list[Array]:

@@ -15,6 +15,8 @@ SIMPLER: tuple[tuple[str, object], ...] = (
     ("spin", 0.0),
     ("offset", 0.0),
     ("mass_ratio", 1.0),
+    ("materials", 0),
+    ("materials", 1),
     ("condim", 1),
     ("cone", "pyramidal"),
     ("jacobian", "dense"),

@@ -40,6 +40,11 @@ class Stretch:
     integration: float
     native: bool
 
+    @property
+    def steps(self) -> int:
+        """How many they are."""
+        return self.last - self.first + 1
+
 
 def stretches(evidence: Evidence) -> Iterator[Stretch]:
     """Yields the stretches of a sound run in which a contact of any kind acted."""
