@@ -74,6 +74,7 @@ def test_extras_are_what_users_may_need(installed):
         "dm-control",
         "gymnasium",
         "warp",
+        "cluster",
     }
 
 

@@ -6,20 +6,18 @@
 #include "engine/scene/config.h"
 #include "engine/scene/ownership.h"
 
-extern "C" {
+namespace mujoco_impact::engine {
 
-// What src/mujoco_impact/warp/settings.py lays out alike.
-struct MujocoImpactSettings {
+// Laid out alike in src/mujoco_impact/warp/settings.py.
+struct SettingsForOthers {
   double restitution, effective_modulus, touch, tolerance;
   // 1 or 0: law `hertz`; loss by bi-stiffness; each contact times itself; passive; no tangential
   // impulses by a setting; no materials
   int hertz, bistiffness, instant, passive, frictionless, plain;
 };
 
-__attribute__((visibility("default"))) void mujoco_impact_settings(const mjModel* m, int instance,
-                                                                   MujocoImpactSettings* settings) {
-  using namespace mujoco_impact;
-  using namespace mujoco_impact::engine;
+extern "C" __attribute__((visibility("default"))) void mujoco_impact_settings(
+    const mjModel* m, int instance, SettingsForOthers* settings) {
   const Config config = ReadConfig(m, instance, Ownership(m, instance).size(), nullptr);
   *settings = {config.restitution,
                config.effective_modulus,
@@ -33,4 +31,4 @@ __attribute__((visibility("default"))) void mujoco_impact_settings(const mjModel
                config.materials[0] == '\0' && config.material_pairs[0] == '\0'};
 }
 
-}  // extern "C"
+}  // namespace mujoco_impact::engine

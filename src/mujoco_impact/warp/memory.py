@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import warp as wp
 
-from mujoco_impact.warp.scene import FIXED, Scene
+from mujoco_impact.warp.scene import FIXED, FREE, Scene
 
 
 @wp.struct
@@ -124,7 +124,7 @@ def put_bodies(model: Any, scene: Scene, device: Any) -> Any:
     zero = np.zeros((len(joints), 3))
     for i, body in enumerate(scene.bodies):
         if moving[i]:
-            width = 3 if body.kind == 0 else 1
+            width = 3 if body.kind == FREE else 1
             zero[i, :width] = model.qpos0[places[i] : places[i] + width]
     springs = not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_SPRING
     of_geom = np.full(model.ngeom, -1)

@@ -69,6 +69,14 @@ def acceleration(paths: Paths, x: int, w: int, t: float) -> wp.vec3:
 
 
 @wp.func
+def turned(axis: wp.vec3, r: wp.vec3, angle: float) -> wp.vec3:
+    """How far r gets by a rotation: sin q (n × r) + (1 − cos q) n × (n × r)."""
+    across = wp.cross(axis, r)
+    half = wp.sin(0.5 * angle)
+    return wp.sin(angle) * across + 2.0 * half * half * wp.cross(axis, across)
+
+
+@wp.func
 def displacement(bodies: Bodies, x: int, q: wp.vec3) -> wp.vec3:
     """Δx of the centre of body x at the coordinates q."""
     kind = bodies.kind[x]
@@ -79,10 +87,7 @@ def displacement(bodies: Bodies, x: int, q: wp.vec3) -> wp.vec3:
         return q
     if kind == _SLIDE:
         return q[0] * axis
-    # rotation by q about the axis: sin q (n × r) + (1 − cos q) n × (n × r)
-    across = wp.cross(axis, bodies.arm[x])
-    half = wp.sin(0.5 * q[0])
-    return wp.sin(q[0]) * across + 2.0 * half * half * wp.cross(axis, across)
+    return turned(axis, bodies.arm[x], q[0])
 
 
 @wp.func
@@ -214,13 +219,7 @@ def begin_path(
         if kind != _SLIDE:
             axis = bodies.axis[x]
             lever = bodies.lever[x]
-            across = wp.cross(axis, lever)
-            half = wp.sin(0.5 * q[0])
-            r = (
-                lever
-                + wp.sin(q[0]) * across
-                + 2.0 * half * half * wp.cross(axis, across)
-            )
+            r = lever + turned(axis, lever, q[0])
             G += bodies.mass[x] * wp.dot(gravity, wp.cross(axis, wp.cross(axis, r)))
     paths.G[x, w] = G / inertia
     paths.P[x, w] = wp.vec3(0.0)

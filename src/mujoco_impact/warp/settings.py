@@ -20,7 +20,7 @@ FINEST = 1e-6
 
 
 class _Layout(ctypes.Structure):
-    """`MujocoImpactSettings` of plugin/engine/scene/settings_api.cc."""
+    """`SettingsForOthers` of plugin/engine/scene/settings_api.cc."""
 
     _fields_ = (
         *((name, ctypes.c_double) for name in _NUMBERS),
