@@ -6,8 +6,8 @@ timing puts them (plugin/engine/resolve/resolve.cc, overlap.cc and deliver/deliv
 
 import warp as wp
 
-from mujoco_impact.warp.law import multiply
 from mujoco_impact.warp.memory import Bodies, Contacts, Pairs, Paths
+from mujoco_impact.warp.nystrom import multiply
 from mujoco_impact.warp.path import look
 from mujoco_impact.warp.scene import FIXED, FREE
 

@@ -2,7 +2,8 @@
 
 import warp as wp
 
-from mujoco_impact.warp.law import SAME_IMPACT_TIMES, contact_time
+from mujoco_impact.warp.clock import SAME_IMPACT_TIMES
+from mujoco_impact.warp.hertz import contact_time
 from mujoco_impact.warp.memory import Bodies, Contacts, Pairs, Paths, World
 from mujoco_impact.warp.path import (
     Sight,

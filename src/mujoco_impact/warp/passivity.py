@@ -6,8 +6,8 @@ for s* P, s* = 2 cᵀP / (PᵀWP).
 
 import warp as wp
 
-from mujoco_impact.warp.law import multiply
 from mujoco_impact.warp.memory import Contacts
+from mujoco_impact.warp.nystrom import multiply
 
 wp.set_module_options({"enable_backward": False})
 

@@ -10,8 +10,9 @@ from mujoco_impact.warp.deliver import (
     press_out_dents,
     set_busy,
 )
+from mujoco_impact.warp.hertz import solve_single
 from mujoco_impact.warp.island import SAME_IMPACT, gather, make_rows
-from mujoco_impact.warp.law import Span, integrate, solve_single
+from mujoco_impact.warp.law import Span, integrate
 from mujoco_impact.warp.memory import Bodies, Contacts, Pairs, Paths, World
 from mujoco_impact.warp.passivity import keep_energy
 from mujoco_impact.warp.path import begin_path
