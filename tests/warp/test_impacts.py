@@ -82,6 +82,29 @@ def test_balls_that_overlap_and_still_close_are_not_pushed_twice():
     assert worlds.qvel[0, 2] == pytest.approx(0.8, abs=0.05)
 
 
+def test_an_elastic_impact_keeps_the_energy_however_coarse_the_law():
+    scene = cradle_models.model_path("row_5")
+    model = mujoco_impact.attach(scene, tolerance=1e-2).compile()
+    worlds = Worlds(model, qpos=np.zeros(5), qvel=np.array([2.0, 0, 0, 0, 0]))
+    worlds.step()
+    # equal balls at the bottom; gravity takes 1e-5, the law alone is off by 1e-3
+    assert (worlds.qvel[0] ** 2).sum() == pytest.approx(4.0, rel=5e-5)
+    assert worlds.impacts.impact_count[0] == 1
+
+
+def test_a_ball_does_not_fly_through_another_within_a_step():
+    model = mujoco_impact.attach(TABLE, restitution=1.0).compile()
+    qpos = model.qpos0.copy()
+    qpos[:3], qpos[7:10] = (0, 0, 0.5), (-0.11, 0, 0.5)
+    qvel = np.zeros(model.nv)
+    qvel[6] = 110.0
+    worlds = Worlds(model, qpos=qpos, qvel=qvel)
+    worlds.step()
+    mass = model.body("a").mass[0] / model.body("b").mass[0]
+    # 2 v / (1 + m_a/m_b), rounded
+    assert worlds.qvel[0, 0] == pytest.approx(220 / (1 + mass), rel=1e-5)
+
+
 SPRINGS = """<mujoco>
   <option timestep=".002" gravity="0 0 0"/>
   <default>
