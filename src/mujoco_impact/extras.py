@@ -40,7 +40,12 @@ def _place() -> str:
     return unquote(url.path) if url and url.scheme == "file" else "."
 
 
-_EXTRA = {"dm_control": "dm_control", "gymnasium": "gymnasium"}
+_EXTRA = {
+    "dm_control": "dm_control",
+    "gymnasium": "gymnasium",
+    "mujoco_warp": "warp",
+    "warp": "warp",
+}
 
 
 def is_installed(library: str) -> bool:

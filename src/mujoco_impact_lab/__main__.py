@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated
 
 import typer
 
@@ -60,6 +61,18 @@ def coverage(page: Path) -> None:
 
     with clean_errors():
         write_page(page)
+        typer.echo(page)
+
+
+@app.command()
+def warp(
+    page: Path, worlds: Annotated[list[int] | None, typer.Option()] = None
+) -> None:
+    """Measure cradles beside MuJoCo Warp on the device at hand; write the page."""
+    from mujoco_impact_lab.bench.warp_throughput import WORLDS, write_page
+
+    with clean_errors():
+        write_page(page, worlds or WORLDS, report=typer.echo)
         typer.echo(page)
 
 

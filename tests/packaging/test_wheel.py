@@ -73,6 +73,7 @@ def test_extras_are_what_users_may_need(installed):
         "video",
         "dm-control",
         "gymnasium",
+        "warp",
         "cluster",
     }
 
