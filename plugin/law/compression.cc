@@ -51,7 +51,7 @@ class Integrator {
   double TryStep(double h);
   [[gnu::noinline]] double TryFriction(double h);
   bool OvershootsTurn(int i, double h) const;
-  double FractionToTurn(double h) const;
+  double FractionToTurn(double h, double* restitution_of_first) const;
   void Accept(double h);
   void NoteOnsets();
   void NotePeaks();
@@ -179,12 +179,17 @@ bool Integrator::OvershootsTurn(int i, double h) const {
 }
 
 // Part of the step tried after which the first compressed contact turns from compression to
-// expansion or back; 1 if none does. The rate of y changes there, so the step must end there.
-double Integrator::FractionToTurn(double h) const {
+// expansion or back, and its restitution; 1 if none does. The rate of y changes there, so the step
+// must end there.
+double Integrator::FractionToTurn(double h, double* restitution_of_first) const {
   const double* c = lanes_.c;
   double fraction = 1;
   for (int i = 0; i < lanes_.size(); ++i) {
-    if (OvershootsTurn(i, h)) fraction = std::min(fraction, c[i] / (c[i] - c_new_[i]));
+    if (!OvershootsTurn(i, h)) continue;
+    const double part = c[i] / (c[i] - c_new_[i]);
+    if (part >= fraction) continue;
+    fraction = part;
+    *restitution_of_first = restitution(i);
   }
   return fraction;
 }
@@ -371,6 +376,7 @@ ImpactReport Integrator::Run() {
   double h = first_step;
   ImpactReport report{0, true};
   int turns = 0;
+  double after_turn = 0;  // the step that may follow one cut short at a turn
   bool stopped = false;
   while (!IsOver(problem_, scale_, lanes_, t_)) {
     if (work_ >= problem_.work) {
@@ -397,8 +403,11 @@ ImpactReport Integrator::Run() {
       continue;
     }
     // two secant steps put the turn within the speed floor, which the phase allows for
-    const double fraction = lossless_ || turns == 3 ? 1 : FractionToTurn(h);
+    double e = 1;
+    const double fraction = lossless_ || turns == 3 ? 1 : FractionToTurn(h, &e);
     if (fraction < 1) {
+      // a contact expands 1/e times as fast as it was compressed; many that rattle turn often
+      if (friction_ && turns == 0) after_turn = e * h;
       h *= std::max(fraction, 1e-3);
       ++turns;
       continue;
@@ -425,6 +434,8 @@ ImpactReport Integrator::Run() {
     if (!lossless_) UpdatePhases();
     MoveWindow();
     h *= std::min(growth, growth_of_friction);
+    if (growth_of_friction >= growth) h = std::max(h, after_turn);
+    after_turn = 0;
     ++report.steps;
   }
   lanes_.Finish();

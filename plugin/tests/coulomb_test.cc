@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "law/friction_on_disc.h"
 #include "tests/islands.h"
@@ -48,6 +49,20 @@ FreeIsland BoxAndBall() {
                      {-1, 0, {-0.1, -0.06, 0}, {0, 0, 1}, {0, 1, 0}, 0.0},
                      {0, 1, {0.1, 0.02, 0.05}, {1, 0, 0}, {0, 0, 1}, 0.2, 1e-6},
                      {-1, 1, {0.15, 0.02, 0}, {0, 0, 1}, {0, 1, 0}, 0.5}});
+}
+
+// Its corners turn from compression to expansion one after the other.
+TEST(Coulomb, ABoxOnItsFaceTakesFewSteps) {
+  const FreeBody box{1, {0.0022, 0.0014, 0.0025}, {0, 0, 0.04}, {0.8, -0.5, -1, 2, 1, 3}};
+  std::vector<Touch> touches;
+  for (const double x : {-0.05, 0.05}) {
+    for (const double y : {-0.07, 0.07}) {
+      touches.push_back({-1, 0, {x, y, 0}, {0, 0, 1}, {1, 0, 0}, 0.3});
+    }
+  }
+  const auto result = FreeIsland({box}, touches).Solve({.restitution = 0.5});
+  EXPECT_TRUE(result.report.converged);
+  EXPECT_LE(result.report.steps, 50);
 }
 
 TEST(Coulomb, CompressedRowsAndRowsByBodyAreTheSame) {

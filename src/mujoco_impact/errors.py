@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mujoco_impact.comparison import Comparison
@@ -40,6 +41,10 @@ class SimulationError(ImpactError):
         super().__init__(message)
         self.time = time
         self.trajectory = trajectory
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Lets it come back from another process, without what was recorded."""
+        return partial(type(self), time=self.time), self.args
 
 
 class RunInterrupted(KeyboardInterrupt):
@@ -91,3 +96,7 @@ class ShotsError(ImpactError, ValueError):
 
 class RenderingError(ImpactError):
     """This machine cannot draw the scene: no OpenGL, or no display for a window."""
+
+
+class WorkerError(ImpactError):
+    """Processes that shared the work were lost."""

@@ -1,16 +1,18 @@
-"""Many simulations of one model on several threads.
+"""Many simulations of one model, on several threads or wherever an executor is.
 
 A thin layer over `mujoco.rollout`: initial states by position and velocity, progress,
 and only as many samples kept as asked for. The numbers are those of single steps, bit
-for bit, on any number of threads.
+for bit, on any number of threads and by any executor.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import math
 import os
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
 
 import mujoco
 import numpy as np
@@ -18,26 +20,14 @@ import numpy.typing as npt
 from mujoco.rollout import Rollout
 
 from mujoco_impact import _plugin
-from mujoco_impact.errors import ImpactWarning, SceneError, SimulationError
+from mujoco_impact.errors import ImpactWarning, SceneError
+from mujoco_impact.executors import CHUNKS, in_order
 from mujoco_impact.recordings import check_recording
-from mujoco_impact.runner import (
-    Model,
-    collected_warnings,
-    initial_data,
-    load_model,
-    step_count,
-)
+from mujoco_impact.rollout_parts import STATE, Part, Plan, Simulated, Simulator
+from mujoco_impact.runner import Model, initial_data, load_model, step_count
 from mujoco_impact.starts import Keyframe, keyframe_names, settled
 from mujoco_impact.trajectory import Array
-from mujoco_impact.verdict.encounters import owned_numbers
-from mujoco_impact.verdict.fast_bodies import FastBodies
-
-STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
-"""What the states of a rollout hold: time, positions, velocities, activations and the
-state of the plugin."""
-
-CHUNK_BYTES = 64e6
-"""Size of the states of one call of MuJoCo; `every` thins them after each call."""
+from mujoco_impact.verdict.fast_bodies import Approaches
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -72,6 +62,7 @@ def rollout(
     control: npt.ArrayLike | None = None,
     every: int = 1,
     threads: int | None = None,
+    executor: Executor | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Rollouts:
     """Simulates a model from many initial states.
@@ -90,6 +81,7 @@ def rollout(
         control: Controls, shape (N, steps, nu), or (steps, nu) for all.
         every: Steps between two samples.
         threads: Number of threads; by default one for each processor.
+        executor: Where to simulate, instead of threads; see `executors.in_order`.
         progress: Called after each part with the finished fraction, 0 to 1.
 
     Raises:
@@ -100,6 +92,8 @@ def rollout(
     _plugin.load()
     compiled = load_model(model)
     steps = step_count(compiled, duration)
+    if executor is not None and threads is not None:
+        raise ValueError(f"executor and threads = {threads}: give one of them")
     workers = _thread_count(threads)
     if not 1 <= every <= steps:
         raise ValueError(f"every = {every}: must be 1 to {steps}, the number of steps")
@@ -108,19 +102,62 @@ def rollout(
     else:
         start = _given_states(compiled, initial_state, (qpos, qvel, keyframe))
     controls = _controls(compiled, control, len(start), steps)
-    rows = _rows_per_call(compiled, steps, workers)
-    numbers = mujoco.mj_stateSize(compiled, STATE) + int(compiled.nsensordata)
-    check_recording(min(rows, len(start)) * steps, numbers)
-    check_recording(len(start) * (steps // every), numbers)
+    plan = Plan(compiled, steps, every)
+    rows = plan.rows_per_call(workers)
+    if executor is not None:
+        rows = min(plan.rows_per_call(1), math.ceil(len(start) / CHUNKS))
+    check_recording(min(rows, len(start)) * steps, plan.numbers)
+    check_recording(len(start) * (steps // every), plan.numbers)
+    parts = _parts(start, controls, rows)
+    if executor is not None:
+        results = in_order(Simulator(plan), parts, executor=executor)
+    else:
+        results = _on_threads(plan, parts, workers)
+    found = list[Simulated]()
+    for part, one in zip(parts, results, strict=True):
+        found.append(one)
+        if progress is not None:
+            progress((part.first + len(part.start)) / len(start))
+    return _together(compiled, found)
+
+
+def _parts(start: Array, controls: Array | None, rows: int) -> list[Part]:
+    """Returns the simulations in parts of so many rows."""
+    return [
+        Part(
+            first,
+            start[first : first + rows],
+            None if controls is None else controls[first : first + rows],
+        )
+        for first in range(0, len(start), rows)
+    ]
+
+
+def _on_threads(plan: Plan, parts: Sequence[Part], threads: int) -> Iterator[Simulated]:
+    """Yields the results of parts, each of them simulated on several threads."""
     # without a pool MuJoCo steps on the calling thread
-    with Rollout(nthread=workers if workers > 1 else 0) as pool:
-        run = _Run(compiled, steps, every, workers, pool)
-        for first in range(0, len(start), rows):
-            part = slice(first, first + rows)
-            run.add(start[part], None if controls is None else controls[part], first)
-            if progress is not None:
-                progress(min(1.0, (first + rows) / len(start)))
-    return run.result()
+    with Rollout(nthread=threads if threads > 1 else 0) as pool:
+        yield from map(Simulator(plan, pool, threads), parts)
+
+
+def _together(model: mujoco.MjModel, parts: Sequence[Simulated]) -> Rollouts:
+    """Returns all parts in one; warns of bodies that were too fast."""
+    approaches = sum((part.approaches for part in parts), Approaches())
+    remark = approaches.remark(float(model.opt.timestep))
+    if remark is not None:
+        warnings.warn(remark.text, ImpactWarning, stacklevel=3)
+    states, sensors, final = (
+        np.concatenate([getattr(part, name) for part in parts])
+        for name in ("states", "sensors", "final")
+    )
+    nq = model.nq
+    return Rollouts(
+        time=states[0, :, 0],
+        qpos=states[:, :, 1 : 1 + nq],
+        qvel=states[:, :, 1 + nq :],
+        sensordata=sensors,
+        final_state=final,
+    )
 
 
 def initial_states(
@@ -159,79 +196,6 @@ def initial_states(
             getattr(data, name)[:] = rows[index % len(rows)]
         mujoco.mj_getState(model, data, states[index], STATE)
     return states
-
-
-class _Run:
-    """Collects the parts of a rollout."""
-
-    def __init__(
-        self,
-        model: mujoco.MjModel,
-        steps: int,
-        every: int,
-        threads: int,
-        pool: Rollout,
-    ) -> None:
-        self._model = model
-        self._steps = steps
-        self._samples = slice(every - 1, steps, every)
-        self._workers = [mujoco.MjData(model) for _ in range(threads)]
-        self._pool = pool
-        self._parts: list[tuple[Array, Array, Array]] = []
-        self._fast = FastBodies(model, owned_numbers(model))
-
-    def add(self, start: Array, control: Array | None, first: int) -> None:
-        """Simulates from some of the initial states, of which `first` is the number."""
-        with collected_warnings() as messages:
-            states, sensors = self._pool.rollout(
-                self._model, self._workers, start, control, nstep=self._steps
-            )
-        if messages:
-            raise _failure(self._model, start, states, first, messages[0])
-        self._look(states)
-        kept = states[:, self._samples, : 1 + self._model.nq + self._model.nv].copy()
-        self._parts.append(
-            (kept, sensors[:, self._samples].copy(), states[:, -1].copy())
-        )
-
-    def _look(self, states: Array) -> None:
-        """Looks for bodies that are too fast for their gap."""
-        nq, nv = self._model.nq, self._model.nv
-        rows = states.reshape(-1, states.shape[-1])
-        self._fast.look_at_fastest(
-            rows[:, 0], rows[:, 1 : 1 + nq], rows[:, 1 + nq : 1 + nq + nv]
-        )
-
-    def result(self) -> Rollouts:
-        """Returns all parts in one; warns of bodies that were too fast."""
-        remark = self._fast.remark()
-        if remark is not None:
-            warnings.warn(remark.text, ImpactWarning, stacklevel=3)
-        states, sensors, final = map(np.concatenate, zip(*self._parts, strict=True))
-        nq = self._model.nq
-        return Rollouts(
-            time=states[0, :, 0],
-            qpos=states[:, :, 1 : 1 + nq],
-            qvel=states[:, :, 1 + nq :],
-            sensordata=sensors,
-            final_state=final,
-        )
-
-
-def _failure(
-    model: mujoco.MjModel, start: Array, states: Array, first: int, message: str
-) -> SimulationError:
-    """Returns the error that says which simulation failed, and when."""
-    # MuJoCo repeats the state after a warning, or has reset it: time does not go on
-    time = np.concatenate([start[:, None, 0], states[:, :, 0]], axis=1)
-    going = np.diff(time, axis=1) > 0.5 * model.opt.timestep
-    row = int(np.argmin(going.all(axis=1)))
-    last = float(time[row, int(np.argmin(going[row]))])
-    return SimulationError(
-        f"MuJoCo gave a warning in simulation {first + row} by {last:.6g} s: "
-        f"{message.strip()}",
-        time=last,
-    )
 
 
 def _rows(name: str, values: npt.ArrayLike, size: int) -> Array:
@@ -277,10 +241,3 @@ def _thread_count(threads: int | None) -> int:
     if threads < 1:
         raise ValueError(f"threads = {threads}: must be >= 1")
     return threads
-
-
-def _rows_per_call(model: mujoco.MjModel, steps: int, threads: int) -> int:
-    """Returns how many simulations fit into one call; a multiple of the threads."""
-    numbers = mujoco.mj_stateSize(model, STATE) + int(model.nsensordata)
-    fitting = int(CHUNK_BYTES / (8 * numbers * steps))
-    return max(1, fitting // threads) * threads

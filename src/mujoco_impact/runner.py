@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import copy
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import TypeAlias
 
 import mujoco
@@ -17,6 +16,7 @@ from mujoco_impact.errors import (
     SceneError,
     SimulationError,
 )
+from mujoco_impact.mujoco_warnings import collected_warnings
 from mujoco_impact.recorder import Recorder
 from mujoco_impact.recordings import check_recording, steps_of
 from mujoco_impact.source import Source, read_spec
@@ -172,22 +172,6 @@ def initial_data(
             raise SceneError(msg)
         state[:] = array
     return data
-
-
-@contextlib.contextmanager
-def collected_warnings() -> Iterator[list[str]]:
-    """Collects MuJoCo's warnings instead of writing them to MUJOCO_LOG.TXT.
-
-    MuJoCo has one warning handler per process, so warnings of simulations that other
-    threads run meanwhile are collected, too.
-    """
-    messages: list[str] = []
-    previous = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(messages.append)
-    try:
-        yield messages
-    finally:
-        mujoco.set_mju_user_warning(previous)
 
 
 def _simulation_error(

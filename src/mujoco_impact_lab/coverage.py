@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +15,7 @@ import cradle_models
 from mujoco_impact.calibration.fit import calibrate
 from mujoco_impact.calibration.objective import DEFAULT_W0
 from mujoco_impact.calibration.synthetic import hertz_truth, synthetic_shots
+from mujoco_impact.executors import in_order
 
 VELOCITY_NOISE = 0.01
 SEEDS = 50
@@ -42,45 +44,99 @@ class Coverage:
     width: float
 
 
+@dataclass(frozen=True)
+class _Calibrated:
+    """Value, low and high of each combination by one calibration, and its time [s]."""
+
+    pattern: str
+    intervals: dict[str, tuple[float, float, float]]
+    seconds: float
+
+
+@dataclass(frozen=True)
+class _Shots:
+    """Shots to make, and to calibrate on."""
+
+    pattern: str
+    count: int
+    velocity_noise: float
+    seed: int
+
+
 def coverage(
-    pattern: str,
+    patterns: Sequence[str],
     *,
     seeds: Sequence[int] = range(SEEDS),
     velocity_noise: float = VELOCITY_NOISE,
     count: int = 10,
+    executor: Executor | None = None,
     progress: Callable[[str], None] | None = None,
-) -> tuple[Coverage, ...]:
-    """Calibrates on synthetic shots of a pattern, once per seed.
+) -> tuple[list[Coverage], float]:
+    """Calibrates on synthetic shots of patterns, once per seed.
 
     Args:
-        pattern: Letters A and B.
+        patterns: Letters A and B.
         seeds: Seeds of the errors of the shots.
         velocity_noise: Error of every velocity component, over the impact speed.
         count: Shots of one calibration.
+        executor: Where to calibrate, see `in_order`.
         progress: Told what is going on.
+
+    Returns:
+        The rows, and the time of one calibration [s].
     """
-    balls = cradle_models.balls(pattern)
-    share = hertz_truth(balls).share
+    tasks = [
+        _Shots(pattern, count, velocity_noise, seed)
+        for pattern in patterns
+        for seed in seeds
+    ]
+    found = list[_Calibrated]()
+    for task, one in zip(
+        tasks, in_order(_calibrated, tasks, executor=executor), strict=True
+    ):
+        found.append(one)
+        if progress is not None:
+            progress(f"{task.pattern}, seed {task.seed}")
+    rows = [row for pattern in patterns for row in _of_pattern(pattern, found)]
+    return rows, float(np.mean([one.seconds for one in found]))
+
+
+def _calibrated(task: _Shots) -> _Calibrated:
+    """Makes shots and calibrates on them, maybe in a process of its own."""
+    begin = time.perf_counter()
+    shots = synthetic_shots(
+        cradle_models.balls(task.pattern),
+        count=task.count,
+        velocity_noise=task.velocity_noise,
+        seed=task.seed,
+    )
+    found = calibrate(shots, folds=0, seed=task.seed).identifiability
+    intervals = {
+        each.name: (each.value, each.low, each.high)
+        for each in (found.combinations if found is not None else ())
+    }
+    return _Calibrated(task.pattern, intervals, time.perf_counter() - begin)
+
+
+def _of_pattern(pattern: str, found: Sequence[_Calibrated]) -> list[Coverage]:
+    """Returns the rows of a pattern."""
+    share = hertz_truth(cradle_models.balls(pattern)).share
     # P_k = p share_k = (2/π) α_k S_h W₀ p
     a = share * np.pi / 2 / DEFAULT_W0
     truths = {"alpha_1 S_h": a[0], "alpha_2/alpha_1": a[1] / a[0]}
-    rows: dict[str, list[tuple[float, float, float]]] = {name: [] for name in truths}
-    for seed in seeds:
-        shots = synthetic_shots(
-            balls, count=count, velocity_noise=velocity_noise, seed=seed
+    return [
+        _coverage(
+            pattern,
+            name,
+            float(truth),
+            [
+                one.intervals[name]
+                for one in found
+                if one.pattern == pattern and name in one.intervals
+            ],
         )
-        found = calibrate(shots, folds=0, seed=seed).identifiability
-        if found is None:
-            continue
-        for interval in found.combinations:
-            if interval.name in rows:
-                row = (interval.value, interval.low, interval.high)
-                rows[interval.name].append(row)
-        if progress is not None:
-            progress(f"{pattern}, seed {seed}")
-    return tuple(
-        _coverage(pattern, name, float(truths[name]), rows[name]) for name in truths
-    )
+        for name, truth in truths.items()
+    ]
 
 
 def _coverage(
@@ -122,21 +178,20 @@ def markdown(rows: Sequence[Coverage], *, seeds: int, seconds: float) -> str:
         f"{name} {np.mean([row.held for row in rows if row.combination == name]):.1%}"
         for name in dict.fromkeys(row.combination for row in rows)
     ]
-    each = seconds / (seeds * len(rows) / len(means))
     lines += [
         "",
         f"Over all patterns: {', '.join(means)}. One calibration, search and",
-        f"intervals, took {each:.1f} s in one process.",
+        f"intervals, took {seconds:.1f} s in one process.",
     ]
     return "\n".join(lines) + "\n"
 
 
 def write_page(target: Path) -> None:
     """Measures the coverage of all patterns and writes the page."""
-    begin = time.perf_counter()
-    rows: list[Coverage] = []
-    for pattern in cradle_models.PAPER_PATTERNS:
-        rows += coverage(pattern)
-        sys.stderr.write(f"{pattern}: {time.perf_counter() - begin:.0f} s\n")
-    seconds = time.perf_counter() - begin
+
+    def report(text: str) -> None:
+        if text.endswith(f"seed {SEEDS - 1}"):
+            sys.stderr.write(f"{text}\n")
+
+    rows, seconds = coverage(cradle_models.PAPER_PATTERNS, progress=report)
     target.write_text(markdown(rows, seeds=SEEDS, seconds=seconds), encoding="utf-8")

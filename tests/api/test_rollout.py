@@ -1,5 +1,9 @@
 """`rollout`: the same bits as single steps, on any number of threads."""
 
+import dataclasses
+import multiprocessing
+from concurrent.futures import ProcessPoolExecutor
+
 import mujoco
 import numpy as np
 import pytest
@@ -45,7 +49,7 @@ def stepped(model, qpos, control):
 @pytest.mark.parametrize("threads", [1, 2, 3])
 def test_it_is_stepping_one_by_one_bit_for_bit(model, threads, monkeypatch):
     # parts of two simulations each, so that threads and parts are crossed
-    monkeypatch.setattr("mujoco_impact.rollouts.CHUNK_BYTES", 1.0)
+    monkeypatch.setattr("mujoco_impact.rollout_parts.CHUNK_BYTES", 1.0)
     qpos = starts(7)
     control = np.random.default_rng(0).uniform(-0.05, 0.05, (7, STEPS, 1))
     found = mujoco_impact.rollout(
@@ -100,12 +104,43 @@ def test_it_is_run_for_one_simulation(model):
 
 
 def test_progress_rises_to_one(model, monkeypatch):
-    monkeypatch.setattr("mujoco_impact.rollouts.CHUNK_BYTES", 1.0)
+    monkeypatch.setattr("mujoco_impact.rollout_parts.CHUNK_BYTES", 1.0)
     told = []
     mujoco_impact.rollout(
         model, duration=0.01, qpos=starts(5), threads=2, progress=told.append
     )
     assert told == [0.4, 0.8, 1.0]
+
+
+def test_an_executor_gives_the_same_bits(model):
+    """Also in other processes: the model with its plugin is sent there."""
+    qpos = starts(5)
+    here = mujoco_impact.rollout(model, duration=0.5, qpos=qpos, every=10)
+    told = []
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(2, mp_context=context) as processes:
+        there = mujoco_impact.rollout(
+            model,
+            duration=0.5,
+            qpos=qpos,
+            every=10,
+            executor=processes,
+            progress=told.append,
+        )
+        for field in dataclasses.fields(here):
+            one, other = (getattr(found, field.name) for found in (here, there))
+            np.testing.assert_array_equal(one, other)
+        assert told == [0.2, 0.4, 0.6, 0.8, 1.0]
+        # and the error of a simulation that breaks down there comes back
+        qvel = np.zeros((4, 3))
+        qvel[2, 1] = np.nan
+        with pytest.raises(
+            SimulationError, match=r"simulation 2 by 0\.002 s"
+        ) as caught:
+            mujoco_impact.rollout(model, duration=0.1, qvel=qvel, executor=processes)
+        assert caught.value.time == 0.002
+        with pytest.raises(ValueError, match="threads = 2: give one of them"):
+            mujoco_impact.rollout(model, duration=0.1, threads=2, executor=processes)
 
 
 def test_one_velocity_serves_all_positions(model):

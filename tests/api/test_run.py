@@ -11,7 +11,7 @@ import pytest
 
 from mujoco_impact import attach, run
 from mujoco_impact.errors import SceneError, SimulationError
-from mujoco_impact.runner import collected_warnings
+from mujoco_impact.mujoco_warnings import collected_warnings
 
 PENDULUM = """
 <mujoco>

@@ -43,6 +43,17 @@ def test_ours_is_near_the_truth_and_mujocos_defaults_are_not(make):
     assert error(scene, DEFAULT) > 0.1
 
 
+def test_nothing_is_nearer_than_the_truth_is_good():
+    scene = rack.billiard_break()
+    exact = dataclasses.replace(scene, outcome=lambda row: row)
+    assert exact.error(list(scene.truth)) == 0
+    rough = dataclasses.replace(exact, accuracy=0.01)
+    assert rough.error(list(scene.truth)) == 0.01
+    shift = np.eye(1, scene.truth.shape[1])[0] * 0.02
+    assert rough.error(list(scene.truth + shift)) == pytest.approx(0.02, rel=1e-12)
+    assert np.isnan(rough.error(list(scene.truth * np.nan)))
+
+
 def test_a_break_has_the_momentum_of_its_cue_ball():
     scene = rack.billiard_break()
     after = scene.truth.reshape(len(scene.starts), rack.BALLS, 6)

@@ -64,7 +64,8 @@ def test_intervals_hold_the_truth_with_one_percent_noise():
 
     At a true coverage of 95 % fewer than 4 of 5 hold once in 40 runs; seeds are fixed.
     """
-    for row in coverage("AAB", seeds=range(5)):
+    rows, _ = coverage(["AAB"], seeds=range(5))
+    for row in rows:
         assert row.held >= 4 / 5, row
         assert row.width < 0.05  # and they say something
 
@@ -100,15 +101,17 @@ def test_the_search_stays_on_the_grid_and_is_as_good_as_off_it():
 
 def test_a_seed_gives_the_same_result_however_the_work_is_shared():
     shots = synthetic_shots(cradle_models.balls("ABB"), count=4, velocity_noise=0.01)
-    evaluation = GridEvaluation(Objective(shots), axes(2))
-    plain = search(evaluation, seed=5, generations=15)
+    told = []
+    plain = calibrate(shots, folds=2, seed=5)
     with ThreadPoolExecutor(2) as pool:
-        for workers in (map, pool.map):
-            other = search(evaluation, seed=5, generations=15, workers=workers)
-            np.testing.assert_array_equal(other.values, plain.values)
-            assert other.evaluation == plain.evaluation
+        other = calibrate(shots, folds=2, seed=5, executor=pool, progress=told.append)
+    assert other.to_dict() == plain.to_dict()
+    assert other.parameters == plain.parameters
+    assert told[1].startswith("held out 1 of 2: evaluation value")
+    evaluation = GridEvaluation(Objective(shots), axes(2))
     assert not np.array_equal(
-        search(evaluation, seed=6, generations=15).values, plain.values
+        search(evaluation, seed=6, generations=15).values,
+        search(evaluation, seed=5, generations=15).values,
     )
 
 

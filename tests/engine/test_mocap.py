@@ -6,7 +6,7 @@ import pytest
 from scenes import INTEGRATORS
 
 import mujoco_impact
-from mujoco_impact.runner import collected_warnings
+from mujoco_impact.mujoco_warnings import collected_warnings
 
 H, V = 2e-3, 1.0
 """Timestep [s] and speed of the paddle [m/s]."""

@@ -9,7 +9,7 @@ from pulse_scenes import active, finite, in_mid_pulse, row
 
 import mujoco_impact
 from mujoco_impact.errors import SimulationError
-from mujoco_impact.runner import collected_warnings
+from mujoco_impact.mujoco_warnings import collected_warnings
 
 BAD = (np.nan, np.inf, -np.inf, 1e300)
 

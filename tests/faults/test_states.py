@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from pulse_scenes import finite, in_mid_pulse, momentum, row
 
+from mujoco_impact.mujoco_warnings import collected_warnings
 from mujoco_impact.pulses import LAYOUT_VERSION
-from mujoco_impact.runner import collected_warnings
 
 FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
 

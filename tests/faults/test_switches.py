@@ -7,7 +7,7 @@ import mujoco
 import pytest
 from pulse_scenes import active, in_mid_pulse, momentum, row
 
-from mujoco_impact.runner import collected_warnings
+from mujoco_impact.mujoco_warnings import collected_warnings
 
 SPRING = mujoco.mjtDisableBit.mjDSBL_SPRING
 DAMPER = mujoco.mjtDisableBit.mjDSBL_DAMPER

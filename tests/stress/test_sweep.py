@@ -1,6 +1,9 @@
 """A short sweep: the promises hold, and the sweep can tell when they do not."""
 
 import dataclasses
+import logging
+import os
+import signal
 
 import numpy as np
 import pytest
@@ -14,6 +17,7 @@ from mujoco_impact_lab.stress import (
     Case,
     Evidence,
     case_of,
+    digest,
     judge,
     limit_of,
     summarise,
@@ -106,11 +110,35 @@ def test_a_case_is_its_seed():
     assert "seed 7:" in case_of(7).describe()
 
 
-def test_the_outcome_does_not_depend_on_the_number_of_processes():
+def test_the_outcome_does_not_depend_on_who_does_the_work():
     alone, together = (
         sweep(range(20, 30), methods=(OURS,), processes=n) for n in (1, 2)
     )
-    assert alone == together
+    assert digest(alone) == digest(together)
+
+
+def test_a_cluster_that_loses_a_worker_loses_nothing():
+    distributed = pytest.importorskip("distributed")
+    cluster = distributed.LocalCluster(
+        n_workers=2,
+        threads_per_worker=1,
+        dashboard_address=None,
+        silence_logs=logging.CRITICAL,
+    )
+    with cluster, distributed.Client(cluster) as client:
+        pids = list(client.run(os.getpid).values())
+
+        def kill(outcome):
+            if outcome.case.seed == 30:
+                os.kill(pids[0], signal.SIGKILL)
+
+        shared = sweep(
+            range(20, 60),
+            methods=(OURS,),
+            executor=client.get_executor(),
+            progress=kill,
+        )
+    assert digest(shared) == digest(sweep(range(20, 60), methods=(OURS,), processes=1))
 
 
 def test_mujocos_defaults_break_promises_that_ours_keep():

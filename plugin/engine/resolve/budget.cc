@@ -11,19 +11,24 @@ namespace {
 constexpr double kPerDof = 300, kPerInertia = 20, kPerContact = 100, kPerTouch = 300;
 
 // What impacts may take, over that: not all of it is counted, and a step may take 20 times and 2
-// ms.
+// ms, without friction.
 constexpr double kConstant = 1.7e6, kOfMujoco = 12;
 
 // An elastic impact takes as long as its wave, and does not rattle; to end it costs the most.
 constexpr double kElastic = 3;
 
+// With friction a step of the law costs four times as much, and bodies rattle on their feet: this
+// many times the constant, unless all is elastic.
+constexpr double kFriction = 2;
+
 }  // namespace
 
-Budget::Budget(const mjModel* m, bool elastic, const Gathered& contacts) {
+Budget::Budget(const mjModel* m, bool elastic, bool friction, const Gathered& contacts) {
   const auto touches = std::count_if(contacts.lowest, contacts.lowest + contacts.count,
                                      [](mjtNum gap) { return gap <= 0; });
   const double of_contacts = kPerContact * contacts.count + kPerTouch * touches;
-  total_ = kConstant + kOfMujoco * (kPerDof * m->nv + kPerInertia * m->nM + of_contacts);
+  const double constant = friction && !elastic ? kFriction * kConstant : kConstant;
+  total_ = constant + kOfMujoco * (kPerDof * m->nv + kPerInertia * m->nM + of_contacts);
   if (elastic) total_ *= kElastic;
 }
 

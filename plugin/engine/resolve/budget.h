@@ -20,7 +20,7 @@ namespace mujoco_impact::engine {
 
 class Budget {
  public:
-  Budget(const mjModel* m, bool elastic, const Gathered& contacts);
+  Budget(const mjModel* m, bool elastic, bool friction, const Gathered& contacts);
 
   void Spend(double work) { spent_ += work; }
   // What was spent, over what may be: more than 1 where the last round had to be ended.

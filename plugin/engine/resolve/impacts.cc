@@ -41,7 +41,7 @@ Resolver::Resolver(const mjModel* m, mjData* d, int instance, const Mobility& mo
       impacts_(bent_ ? MakeDelivery(m, scratch) : delivery),
       kicks_(MakeKicks(m, scratch)),
       contacts_(GatherContacts(m, d, ownership_, state, kick, scratch)),
-      budget_(m, materials_.IsElastic(), contacts_),
+      budget_(m, materials_.IsElastic(), HasFriction(materials_, contacts_), contacts_),
       struck_(m, d, mobility, scratch),
       start_(LookAhead(m, d, mobility, delivery, state.mocap(), bent_, scratch)),
       flights_(m, d, start_.motion, state.header().active > 0, HasFriction(materials_, contacts_),

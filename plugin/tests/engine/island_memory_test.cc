@@ -127,7 +127,7 @@ TEST_P(IslandMemory, AnIslandTakesNoMoreThanItAsksFor) {
   const mjtNum* velocity = SettledVelocity(m, outlook, time.tau, inside);
   Impact* impacts = inside.Take<Impact>(contacts.count);
   const mjtNum* acceleration = inside.Zeros(static_cast<int>(m->nv));
-  Budget budget(m, materials.IsElastic(), contacts);
+  Budget budget(m, materials.IsElastic(), HasFriction(materials, contacts), contacts);
   mjtNum stiffer = 1;
   Tangents* tangents = nullptr;
   if (HasFriction(materials, contacts)) {

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +20,11 @@ from mujoco_impact.calibration.objective import (
     candidates_of,
 )
 from mujoco_impact.calibration.parameters import Parameters, write_parameters
-from mujoco_impact.calibration.search import Found, GridEvaluation, Map, search
+from mujoco_impact.calibration.search import Found, GridEvaluation, search
 from mujoco_impact.calibration.shots import Array, Shots
 from mujoco_impact.calibration.shots_file import read_shots
 from mujoco_impact.errors import ConfigError
+from mujoco_impact.executors import in_order
 
 FOLDS = 5
 """Parts of the shots that are held out in turn."""
@@ -83,7 +85,7 @@ def calibrate(
     kappa: float = DEFAULT_KAPPA,
     folds: int = FOLDS,
     seed: int = 0,
-    workers: int | Map | None = None,
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Calibration:
     """Finds the parameters of the calibrated law that fit measured shots.
@@ -95,7 +97,9 @@ def calibrate(
         kappa: Unit factor of the S_w term of equation (6).
         folds: Parts of the shots that are held out in turn; 0: none.
         seed: Seed of the search and of the resampling.
-        workers: None, a number of processes, or anything like `map`; see `search`.
+        executor: Where the searches are done, one on all shots and one for each fold;
+            see `executors.in_order`. By default in this process: to start another one
+            takes as long as a search. The result does not depend on it.
         progress: Told what is going on.
 
     Returns:
@@ -116,16 +120,11 @@ def calibrate(
     tell = progress or (lambda _: None)
     objective = Objective(measured, w0=w0, kappa=kappa)
 
-    def find(part: Objective, what: str) -> Found:
-        def report(generation: int, value: float) -> None:
-            tell(f"{what}: generation {generation}, evaluation value {value:.3e}")
-
-        evaluation = GridEvaluation(part, grid)
-        return search(evaluation, seed=seed, workers=workers, progress=report)
-
-    found = find(objective, "search")
+    parts = _held_out_parts(measured, min(folds, measured.count))
+    rests = (dataclasses.replace(objective, shots=rest) for _, rest in parts)
+    found, *on_rests = _searches([objective, *rests], grid, seed, executor, tell)
     parameters = _parameters(found.values, grid, objective)
-    held_out = _held_out(objective, grid, min(folds, measured.count), find)
+    held_out = _held_out(objective, grid, [held for held, _ in parts], on_rests)
     tell("what the shots determine")
     change = np.linalg.norm(measured.momentum_change, axis=2)
     return Calibration(
@@ -141,25 +140,86 @@ def calibrate(
     )
 
 
+@dataclasses.dataclass(frozen=True)
+class _Search:
+    """One search of a calibration, maybe in a process of its own.
+
+    Attributes:
+        seed: Of the search.
+        tell: Told of every generation; None where it cannot be called.
+    """
+
+    seed: int
+    tell: Progress | None
+
+    def __call__(self, task: tuple[str, GridEvaluation]) -> Found:
+        """Finds the best candidate; the task is what to call it and what to search."""
+        what, evaluation = task
+
+        def report(generation: int, value: float) -> None:
+            if self.tell is not None:
+                self.tell(
+                    f"{what}: generation {generation}, evaluation value {value:.3e}"
+                )
+
+        return search(evaluation, seed=self.seed, progress=report)
+
+
+def _searches(
+    objectives: Sequence[Objective],
+    grid: tuple[Axis, ...],
+    seed: int,
+    executor: Executor | None,
+    tell: Progress,
+) -> list[Found]:
+    """Returns what is found on all shots, and on those of each fold."""
+    folds = len(objectives) - 1
+    names = ["search", *(f"held out {fold + 1} of {folds}" for fold in range(folds))]
+    evaluations = [GridEvaluation(part, grid) for part in objectives]
+    here = executor is None
+    results = in_order(
+        _Search(seed, tell if here else None),
+        list(zip(names, evaluations, strict=True)),
+        executor=executor,
+        processes=1 if here else None,
+    )
+    found = []
+    for name, one in zip(names, results, strict=True):
+        if not here:
+            tell(f"{name}: evaluation value {one.evaluation:.3e}")
+        found.append(one)
+    return found
+
+
+def _held_out_parts(shots: Shots, folds: int) -> list[tuple[Shots, Shots]]:
+    """Returns the shots that are held out, and the rest, for each fold."""
+    if folds < 2:
+        return []
+    number = np.arange(shots.count) % folds
+    return [
+        (
+            shots.subset(np.flatnonzero(number == fold)),
+            shots.subset(np.flatnonzero(number != fold)),
+        )
+        for fold in range(folds)
+    ]
+
+
 def _held_out(
     objective: Objective,
     grid: tuple[Axis, ...],
-    folds: int,
-    find: Callable[[Objective, str], Found],
+    parts: Sequence[Shots],
+    found: Sequence[Found],
 ) -> float | None:
     """Returns the evaluation value on shots that took no part in the search."""
-    if folds < 2:
+    if not parts:
         return None
     names = tuple(axis.name for axis in grid)
-    number = np.arange(objective.shots.count) % folds
     total = 0.0
-    for fold in range(folds):
-        parts = [objective.shots.subset(np.flatnonzero(number == fold)),
-                 objective.shots.subset(np.flatnonzero(number != fold))]  # fmt: skip
-        held, rest = (dataclasses.replace(objective, shots=part) for part in parts)
-        found = find(rest, f"held out {fold + 1} of {folds}")
-        value = float(held(candidates_of(found.values[np.newaxis], names))[0])
-        total += value * held.shots.count
+    for shots, one in zip(parts, found, strict=True):
+        held = dataclasses.replace(objective, shots=shots)
+        value = float(held(candidates_of(one.values[np.newaxis], names))[0])
+        total += value * shots.count
     return total / objective.shots.count
 
 

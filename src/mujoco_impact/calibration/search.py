@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from mujoco_impact.calibration.grid import Axis
 from mujoco_impact.calibration.objective import Candidates, Objective, candidates_of
 from mujoco_impact.calibration.shots import Array
-
-Map: TypeAlias = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
-"""Anything that works like `map`, such as `multiprocessing.Pool().map`."""
 
 POPULATION = 15
 """Candidates per parameter that is sought."""
@@ -41,7 +38,7 @@ class Found:
 
 @dataclass(frozen=True)
 class GridEvaluation:
-    """The evaluation value as a function of grid indices, picklable for workers.
+    """The evaluation value as a function of grid indices.
 
     Attributes:
         objective: The evaluation value of candidates.
@@ -73,16 +70,11 @@ class GridEvaluation:
         """Returns the evaluation of columns of indices, shape (sought, candidates)."""
         return self.objective(self.candidates(index.T))
 
-    def single(self, index: Array) -> float:
-        """Returns the evaluation of one candidate."""
-        return float(self.objective(self.candidates(index[np.newaxis]))[0])
-
 
 def search(
     evaluation: GridEvaluation,
     *,
     seed: int = 0,
-    workers: int | Map | None = None,
     generations: int = 1000,
     progress: Callable[[int, float], None] | None = None,
 ) -> Found:
@@ -90,11 +82,7 @@ def search(
 
     Args:
         evaluation: What to make small.
-        seed: Seed of the search; the same seed gives the same result, however the work
-            is shared.
-        workers: None evaluates a whole generation as one array, which is fastest here;
-            a number of processes, or anything like `map`, evaluates candidate by
-            candidate.
+        seed: Seed of the search; the same seed gives the same result.
         generations: Most generations.
         progress: Called after each generation with its number and the best value.
     """
@@ -111,10 +99,9 @@ def search(
             progress(done, best)
 
     bounds = [(0, evaluation.axes[i].points - 1) for i in evaluation.sought]
-    vectorized = workers is None
-    options: dict[str, Any] = {} if vectorized else {"workers": workers}
     result = differential_evolution(
-        evaluation.population if vectorized else evaluation.single,
+        # a whole generation as one array
+        evaluation.population,
         bounds,
         integrality=[True] * len(bounds),
         popsize=POPULATION,
@@ -124,9 +111,8 @@ def search(
         seed=seed,
         polish=False,
         updating="deferred",
-        vectorized=vectorized,
+        vectorized=True,
         callback=callback,
-        **options,
     )
     return Found(
         values=evaluation.values(result.x[np.newaxis])[0],

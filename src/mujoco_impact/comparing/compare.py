@@ -25,13 +25,8 @@ from mujoco_impact.errors import (
     ImpactWarning,
     SimulationError,
 )
-from mujoco_impact.runner import (
-    collected_warnings,
-    initial_data,
-    load_model,
-    run,
-    step_count,
-)
+from mujoco_impact.mujoco_warnings import collected_warnings
+from mujoco_impact.runner import initial_data, load_model, run, step_count
 from mujoco_impact.scene import attach, detach
 from mujoco_impact.settings import Setting, attributes
 from mujoco_impact.source import Source, read_spec

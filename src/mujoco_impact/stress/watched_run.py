@@ -5,10 +5,11 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from mujoco_impact.mujoco_warnings import collected_warnings
 from mujoco_impact.pulses import PulseReader
 from mujoco_impact.recordings import check_recording
 from mujoco_impact.remarks import ENERGY, FAST, PASSING
-from mujoco_impact.runner import collected_warnings, initial_data, step_count
+from mujoco_impact.runner import initial_data, step_count
 from mujoco_impact.starts import Keyframe
 from mujoco_impact.stress.differences import Outcome
 from mujoco_impact.trajectory import Array

@@ -45,14 +45,57 @@ class Approach:
     sight: float
 
 
+@dataclasses.dataclass(frozen=True)
+class Approaches:
+    """Approaches that no contact announced.
+
+    Attributes:
+        count: How many there were.
+        first: Time of the first of them [s].
+        fastest: The fastest of them.
+    """
+
+    count: int = 0
+    first: float = math.inf
+    fastest: Approach | None = None
+
+    def __add__(self, other: Approaches) -> Approaches:
+        """Returns these and later ones."""
+        both = [one.fastest for one in (self, other) if one.fastest is not None]
+        return Approaches(
+            self.count + other.count,
+            min(self.first, other.first),
+            max(both, key=lambda approach: approach.speed, default=None),
+        )
+
+    def remark(self, timestep: float) -> Remark | None:
+        """Returns what to say about the fastest, None if there is none.
+
+        Args:
+            timestep: Of the model [s].
+        """
+        worst = self.fastest
+        if worst is None:
+            return None
+        gap = gap_for_speed(worst.speed, timestep)
+        seen = "once" if self.count == 1 else f"{self.count} times, the fastest"
+        text = (
+            f"{worst.geoms[0]!r} closes in on {worst.geoms[1]!r} at {worst.speed:.4g} "
+            f"m/s, {worst.speed * timestep:.3g} m in one step of {timestep:g} s, but "
+            f"their contact is seen only from {worst.sight:.3g} m on ({seen} at "
+            f"{worst.time:.6g} s): the impact is missed or comes too late; cure: "
+            f"attach(..., speed={worst.speed:.3g}) or gap={gap:g}, or a smaller "
+            "timestep"
+        )
+        return Remark(FAST, text)
+
+
 class FastBodies:
     """Looks for owned geoms that close in on others faster than their gap allows.
 
     Attributes:
         needs: What of `mjData` must be logged after each step.
-        count: Approaches found.
-        first: Time of the first of them [s].
-        fastest: The fastest of them.
+        found: What it has found.
     """
 
     def __init__(self, model: mujoco.MjModel, owned: Numbers) -> None:
@@ -83,8 +126,7 @@ class FastBodies:
         self._mocap = MocapMotion(model)
         seen = ("cvel", "geom_xpos", "subtree_com", *self._mocap.needs)
         self.needs: tuple[str, ...] = seen if self._watched.size else ()
-        self.count, self.first = 0, math.inf
-        self.fastest: Approach | None = None
+        self.found = Approaches()
 
     def look(self, log: StepLog) -> None:
         """Looks at the logged steps."""
@@ -121,21 +163,7 @@ class FastBodies:
 
     def remark(self) -> Remark | None:
         """Returns what to say about the fastest approach, None if there is none."""
-        worst = self.fastest
-        if worst is None:
-            return None
-        timestep = float(self._model.opt.timestep)
-        gap = gap_for_speed(worst.speed, timestep)
-        seen = "once" if self.count == 1 else f"{self.count} times, the fastest"
-        text = (
-            f"{worst.geoms[0]!r} closes in on {worst.geoms[1]!r} at {worst.speed:.4g} "
-            f"m/s, {worst.speed * timestep:.3g} m in one step of {timestep:g} s, but "
-            f"their contact is seen only from {worst.sight:.3g} m on ({seen} at "
-            f"{worst.time:.6g} s): the impact is missed or comes too late; cure: "
-            f"attach(..., speed={worst.speed:.3g}) or gap={gap:g}, or a smaller "
-            "timestep"
-        )
-        return Remark(FAST, text)
+        return self.found.remark(float(self._model.opt.timestep))
 
     def _levers(self) -> Array:
         """Returns how far a unit of each velocity can move something [m], (nv,)."""
@@ -227,8 +255,7 @@ class FastBodies:
             speed += sign * float((moved[3:] + np.cross(moved[:3], arm)) @ normal)
         if speed * float(model.opt.timestep) <= distance:
             return
-        self.count += 1
-        self.first = min(self.first, float(data.time))
-        if self.fastest is None or speed > self.fastest.speed:
-            names = (geom_name(model, owned), geom_name(model, other))
-            self.fastest = Approach(float(data.time), names, speed, sight)
+        names = (geom_name(model, owned), geom_name(model, other))
+        time = float(data.time)
+        approach = Approach(time, names, speed, sight)
+        self.found += Approaches(1, time, approach)

@@ -102,7 +102,7 @@ class RunWatch:
         growth = self._balance.growth(energy, quiet_samples(time, impacts))
         grew = None if growth is None else growth.remark()
         fast = self._fast.remark()
-        if growth and fast and self._fast.first > time[growth.since]:
+        if growth and fast and self._fast.found.first > time[growth.since]:
             # what has gained energy from nowhere is fast because of it
             found = [grew]
         elif fast is not None:

@@ -12,8 +12,9 @@ import mujoco
 from mujoco_impact._plugin import PLUGIN_NAME
 from mujoco_impact.errors import ImpactError
 from mujoco_impact.impact import Impact
+from mujoco_impact.mujoco_warnings import collected_warnings
 from mujoco_impact.pulses import PulseReader
-from mujoco_impact.runner import collected_warnings, initial_data
+from mujoco_impact.runner import initial_data
 from mujoco_impact.scene import detach
 from mujoco_impact.specifications import compile_spec, copy_spec
 from mujoco_impact.starts import Keyframe, keyframe_names, start_number, start_told

@@ -9,13 +9,9 @@ import numpy as np
 
 from mujoco_impact.comparing.survey import HALF_STEP_INTEGRATORS
 from mujoco_impact.errors import SimulationError
+from mujoco_impact.mujoco_warnings import collected_warnings
 from mujoco_impact.recorder import integrator_name
-from mujoco_impact.runner import (
-    collected_warnings,
-    initial_data,
-    load_model,
-    step_count,
-)
+from mujoco_impact.runner import initial_data, load_model, step_count
 from mujoco_impact_lab.bench.samples import Samples
 from mujoco_impact_lab.bench.scenes import BASE_TIMESTEP, BenchScene
 

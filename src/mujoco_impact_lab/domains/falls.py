@@ -7,7 +7,7 @@ import dataclasses
 import mujoco
 import numpy as np
 
-from mujoco_impact.runner import collected_warnings
+from mujoco_impact.mujoco_warnings import collected_warnings
 from mujoco_impact_lab.domains.costs import Costs, CostSampler
 from mujoco_impact_lab.domains.scenes import DM_CONTROL, Player, Scene
 from mujoco_impact_lab.domains.watch import Watch

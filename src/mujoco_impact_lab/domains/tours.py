@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 
 from mujoco_impact.errors import ImpactError
-from mujoco_impact.runner import collected_warnings
+from mujoco_impact.mujoco_warnings import collected_warnings
 from mujoco_impact_lab.domains.scenes import Player, Scene
 
 ACTIONS = 1000

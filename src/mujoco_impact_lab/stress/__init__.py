@@ -18,7 +18,7 @@ from mujoco_impact_lab.stress.limits import LIMITS, limit_of
 from mujoco_impact_lab.stress.methods import DEFAULTS, METHODS, OURS, TUNED
 from mujoco_impact_lab.stress.shrink import shrunk
 from mujoco_impact_lab.stress.summary import Summary, summarise
-from mujoco_impact_lab.stress.sweep import Outcome, judge, sweep
+from mujoco_impact_lab.stress.sweep import Outcome, digest, judge, sweep
 
 __all__ = [
     "BALLS",
@@ -38,6 +38,7 @@ __all__ = [
     "Outcome",
     "Summary",
     "case_of",
+    "digest",
     "judge",
     "limit_of",
     "shrunk",

@@ -10,7 +10,7 @@ import numpy as np
 
 import cradle_models
 from mujoco_impact.baselines import baselines
-from mujoco_impact.runner import collected_warnings
+from mujoco_impact.mujoco_warnings import collected_warnings
 from mujoco_impact.scene import attach
 from mujoco_impact.trajectory import Array
 from mujoco_impact_lab.stress.methods import OURS

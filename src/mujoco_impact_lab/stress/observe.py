@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from mujoco_impact.impact import Impact
+from mujoco_impact.mujoco_warnings import collected_warnings
 from mujoco_impact.pulses import PulseReader, plugin_instances, step_work
 from mujoco_impact.recorder import find_energies
-from mujoco_impact.runner import collected_warnings
 from mujoco_impact.trajectory import Array
 
 _CONTACTS = int(mujoco.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS)

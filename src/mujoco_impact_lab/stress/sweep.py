@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-import multiprocessing
+import hashlib
+import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor
+from typing import Any
 
 import numpy as np
 
 from mujoco_impact.errors import ImpactError
+from mujoco_impact.executors import in_order
 from mujoco_impact_lab.stress.families import BALLS, FAMILIES
 from mujoco_impact_lab.stress.family import AnyCase, Family
 from mujoco_impact_lab.stress.methods import DEFAULTS, OURS
@@ -95,38 +99,40 @@ def sweep(
     *,
     family: Family = BALLS,
     methods: Sequence[str] | None = None,
-    processes: int = 1,
+    executor: Executor | None = None,
+    processes: int | None = None,
     progress: Callable[[Outcome], None] | None = None,
 ) -> list[Outcome]:
-    """Judges the cases of many seeds; the result does not depend on `processes`.
+    """Judges the cases of many seeds; the result does not depend on where.
 
     Args:
         seeds: One per case.
         family: The kind of the scenes.
         methods: Of those of the family; None for all of them.
-        processes: How many cases to run at a time.
+        executor: Where to run the cases, see `in_order`: in processes, for a case has
+            MuJoCo's callbacks to itself.
+        processes: How many to run at a time on this machine, instead of an executor.
         progress: Called with each outcome, in the order of the seeds.
     """
     chosen = family.methods if methods is None else tuple(methods)
+    tasks = [(seed, family.name, chosen) for seed in seeds]
     outcomes = []
-    for outcome in _outcomes(list(seeds), family, chosen, processes):
+    for outcome in in_order(_judge_seed, tasks, executor=executor, processes=processes):
         outcomes.append(outcome)
         if progress is not None:
             progress(outcome)
     return outcomes
 
 
-def _outcomes(
-    seeds: list[int], family: Family, methods: tuple[str, ...], processes: int
-) -> Iterator[Outcome]:
-    """Yields the outcomes in the order of the seeds."""
-    tasks = [(seed, family.name, methods) for seed in seeds]
-    if processes == 1:
-        yield from map(_judge_seed, tasks)
-        return
-    # a fresh interpreter: a fork would share MuJoCo's threads and handlers
-    with multiprocessing.get_context("spawn").Pool(processes) as pool:
-        yield from pool.imap(_judge_seed, tasks, 8)
+def digest(outcomes: Iterable[Outcome]) -> str:
+    """Returns a hash of all bits of outcomes, but for the time they took."""
+
+    def plain(value: Any) -> Any:
+        return value.item()
+
+    dicts = [{**dataclasses.asdict(outcome), "slowdown": None} for outcome in outcomes]
+    text = json.dumps(dicts, sort_keys=True, default=plain)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _judge_seed(task: tuple[int, str, tuple[str, ...]]) -> Outcome:

@@ -14,7 +14,8 @@ import numpy as np
 
 from mujoco_impact import baselines
 from mujoco_impact.errors import SimulationError
-from mujoco_impact.runner import collected_warnings, load_model
+from mujoco_impact.mujoco_warnings import collected_warnings
+from mujoco_impact.runner import load_model
 from mujoco_impact.scene import attach
 from mujoco_impact_lab.bench.friction.scene import FrictionScene, Motion
 from mujoco_impact_lab.bench.mujoco_methods import (

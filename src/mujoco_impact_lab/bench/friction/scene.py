@@ -61,6 +61,7 @@ class FrictionScene:
         duration: Simulated time of each start [s].
         speed: Speed of the impacts [m/s].
         plane: Axes of the plane in which all moves; None if it moves in space.
+        accuracy: Error of the truth: what is nearer counts as that near.
     """
 
     name: str
@@ -74,6 +75,7 @@ class FrictionScene:
     duration: float
     speed: float
     plane: tuple[int, int] | None = None
+    accuracy: float = 0.0
 
     def spec(
         self, timestep: float = BASE_TIMESTEP, integrator: Integrator = "Euler"
@@ -90,9 +92,14 @@ class FrictionScene:
         return spec
 
     def error(self, motions: Sequence[Motion]) -> float:
-        """Returns how far the motions from all starts are from the truth, RMS."""
+        """Returns how far the motions from all starts are from the truth, RMS.
+
+        No less than the accuracy of the truth.
+        """
         found = np.array([self.outcome(motion) for motion in motions])
-        return rms(np.linalg.norm(found - self.truth, axis=1))
+        error = rms(np.linalg.norm(found - self.truth, axis=1))
+        # not max(), which drops nan
+        return error if not error < self.accuracy else self.accuracy
 
 
 _INTEGRATORS = {

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from mujoco_impact.impact import Impact
-from mujoco_impact.runner import collected_warnings
+from mujoco_impact.mujoco_warnings import collected_warnings
 from mujoco_impact.trajectory import Array
 from mujoco_impact_lab.stress.methods import OURS
 from mujoco_impact_lab.stress.observe import Observation, energies, observe
