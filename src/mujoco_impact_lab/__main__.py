@@ -45,11 +45,11 @@ def environments(folder: Path) -> None:
 @app.command()
 def training(folder: Path) -> None:
     """Train policies under our contacts and MuJoCo's; write JSON and a picture."""
-    from mujoco_impact_lab.training.comparison import compare
+    from mujoco_impact_lab.training.comparison import run
     from mujoco_impact_lab.training.results import write
 
     with clean_errors():
-        for path in write(compare(report=typer.echo), folder):
+        for path in write(run(typer.echo), folder):
             typer.echo(path)
 
 

@@ -176,25 +176,34 @@ def learn(contacts: str, pool: Executor, generations: int) -> Training:
 
 
 def compare(
-    *, generations: int = strike.GENERATIONS, report: Callable[[str], None]
+    pool: Executor,
+    *,
+    generations: int = strike.GENERATIONS,
+    report: Callable[[str], None],
 ) -> Comparison:
     """Trains under each kind of contacts, and lets all play under each of them.
 
     Args:
+        pool: Where the episodes are played.
         generations: Of each training.
         report: Is told what has been done.
     """
+    trainings: dict[str, Training] = {}
+    players: dict[str, Player] = {"random": "random", "scripted": "scripted"}
+    for name in CONTACTS:
+        trainings[name] = learn(name, pool, generations)
+        players[f"trained under {name}"] = tuple(trainings[name].parameters)
+        report(f"trained under {name}: {trainings[name].scores[-1].mean:.0f}")
+    scores = {
+        player: {name: score(name, who, pool) for name in CONTACTS}
+        for player, who in players.items()
+    }
+    return Comparison(trainings, scores)
+
+
+def run(report: Callable[[str], None]) -> Comparison:
+    """Compares in processes of this machine, see `compare`."""
+    # a fresh interpreter: a fork would share MuJoCo's threads
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(mp_context=context) as pool:
-        trainings = {}
-        for name in CONTACTS:
-            trainings[name] = learn(name, pool, generations)
-            report(f"{name}: {trainings[name].scores[-1]}")
-        players: dict[str, Player] = {"random": "random", "scripted": "scripted"}
-        for name, training in trainings.items():
-            players[f"trained under {name}"] = tuple(training.parameters)
-        scores = {
-            player: {name: score(name, who, pool) for name in CONTACTS}
-            for player, who in players.items()
-        }
-    return Comparison(trainings, scores)
+        return compare(pool, report=report)

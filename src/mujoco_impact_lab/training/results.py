@@ -47,16 +47,22 @@ def read(file: Path) -> Comparison:
 
 
 def table(found: Comparison) -> str:
-    """Returns the scores of all players under all contacts, as Markdown."""
+    """Returns the scores of all players under all contacts, as Markdown.
+
+    The last line tells how many balls the scripted player sends out at once.
+    """
     contacts = list(found.trainings)
-    rows = [
-        [
-            player,
-            *(f"{row[name].mean:.0f} ± {row[name].deviation:.0f}" for name in contacts),
-        ]
-        for player, row in found.scores.items()
-    ]
-    return markdown_table(("player", *contacts), rows)
+    lines = {player: _shown(row, contacts) for player, row in found.scores.items()}
+    out = [f"{found.scores['scripted'][name].balls:.1f}" for name in contacts]
+    lines["balls that go out, scripted"] = out
+    heading = ("played under", *contacts)
+    return markdown_table(heading, [[name, *line] for name, line in lines.items()])
+
+
+def _shown(row: dict[str, Score], contacts: list[str]) -> list[str]:
+    """Returns mean and standard deviation under each kind of contacts."""
+    scores = [row[name] for name in contacts]
+    return [f"{one.mean:.0f} ± {one.deviation:.0f}" for one in scores]
 
 
 def draw(found: Comparison, file: Path) -> None:
@@ -72,7 +78,7 @@ def draw(found: Comparison, file: Path) -> None:
         axes.plot(training.generations, mean, color=color, label=name)
         axes.fill_between(
             training.generations, mean - spread, mean + spread,
-            color=color, alpha=0.15, linewidth=0,
+            color=color, alpha=0.1, linewidth=0,
         )  # fmt: skip
     (own,) = list(found.trainings)[:1]
     for player in ("scripted", "random"):
@@ -84,6 +90,11 @@ def draw(found: Comparison, file: Path) -> None:
         )  # fmt: skip
     axes.set(xlabel="generation", ylabel="score (sum of rewards)", ylim=(0, EPISODE))
     axes.set_xlim(0, max(training.generations))
-    axes.legend(title="trained and played under", loc="center right", frameon=False)
+    axes.legend(
+        title="trained and played under",
+        loc="upper left",
+        bbox_to_anchor=(0.0, 0.94),
+        frameon=False,
+    )
     axes.grid(alpha=0.25)
     figure.savefig(file, dpi=120, metadata={"Software": None})
