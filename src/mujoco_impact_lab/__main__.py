@@ -44,6 +44,17 @@ def environments(folder: Path) -> None:
 
 
 @app.command()
+def training(folder: Path) -> None:
+    """Train policies under our contacts and MuJoCo's; write JSON and a picture."""
+    from mujoco_impact_lab.training.comparison import run
+    from mujoco_impact_lab.training.results import write
+
+    with clean_errors():
+        for path in write(run(typer.echo), folder):
+            typer.echo(path)
+
+
+@app.command()
 def instructions(
     program: Path, friction_program: Path, step_program: Path, file: Path
 ) -> None:
