@@ -2,7 +2,8 @@
 
 Importing the package registers the engine plugin `mujoco_impact.waveform`. What needs
 more than MuJoCo and NumPy (`calibrate`, `compare`, `envs`, `law`, `metrics`,
-`reference`, `rollout`, `sensor`, `sweep`, `video`) is imported when it is first used.
+`reference`, `rollout`, `sensor`, `sweep`, `video`, `warp`) is imported when it is
+first used.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from mujoco_impact._plugin import load, load_or_warn
 
 load_or_warn()
 
-from mujoco_impact import _gymnasium_hook, pickling  # noqa: E402
+from mujoco_impact import _import_hook, _put_model_guard, pickling  # noqa: E402
 from mujoco_impact.errors import ImpactError, ImpactWarning  # noqa: E402
 from mujoco_impact.impact import Impact  # noqa: E402
 from mujoco_impact.materials import (  # noqa: E402
@@ -31,7 +32,16 @@ from mujoco_impact.settings import SETTINGS  # noqa: E402
 from mujoco_impact.trajectory import Trajectory  # noqa: E402
 
 if TYPE_CHECKING:
-    from mujoco_impact import calibration, envs, law, metrics, reference, sensor, video
+    from mujoco_impact import (
+        calibration,
+        envs,
+        law,
+        metrics,
+        reference,
+        sensor,
+        video,
+        warp,
+    )
     from mujoco_impact.calibration import Calibration, calibrate
     from mujoco_impact.comparing.compare import Comparison, compare
     from mujoco_impact.rollouts import Rollouts, rollout
@@ -70,9 +80,19 @@ __all__ = [
     "sensor_slice",
     "sweep",
     "video",
+    "warp",
 ]
 
-_MODULES = ("calibration", "envs", "law", "metrics", "reference", "sensor", "video")
+_MODULES = (
+    "calibration",
+    "envs",
+    "law",
+    "metrics",
+    "reference",
+    "sensor",
+    "video",
+    "warp",
+)
 _MEMBERS = {
     "Calibration": "calibration",
     "Comparison": "comparing.compare",
@@ -106,4 +126,9 @@ def __getattr__(name: str) -> Any:
 
 pickling.enable()
 
-_gymnasium_hook.register_when_imported()
+# gymnasium has no entry points for environments: this makes ours known to it
+_import_hook.when_imported(
+    "gymnasium", lambda _: importlib.import_module("mujoco_impact.envs")
+)
+for _engine in _put_model_guard.GUARDED:
+    _import_hook.when_imported(_engine, _put_model_guard.guard)

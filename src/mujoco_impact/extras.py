@@ -44,7 +44,9 @@ _EXTRA = {
     "distributed": "cluster",
     "dm_control": "dm_control",
     "gymnasium": "gymnasium",
+    "mujoco_warp": "warp",
     "pyarrow": "cluster",
+    "warp": "warp",
 }
 
 

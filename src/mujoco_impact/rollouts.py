@@ -94,7 +94,7 @@ def rollout(
     steps = step_count(compiled, duration)
     if executor is not None and threads is not None:
         raise ValueError(f"executor and threads = {threads}: give one of them")
-    workers = _thread_count(threads)
+    workers = thread_count(threads)
     if not 1 <= every <= steps:
         raise ValueError(f"every = {every}: must be 1 to {steps}, the number of steps")
     if initial_state is None:
@@ -234,7 +234,7 @@ def _controls(
         raise SceneError(msg) from None
 
 
-def _thread_count(threads: int | None) -> int:
+def thread_count(threads: int | None) -> int:
     """Returns the number of threads; ValueError if it is not positive."""
     if threads is None:
         return os.cpu_count() or 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated
 
 import typer
 
@@ -43,6 +44,17 @@ def environments(folder: Path) -> None:
 
 
 @app.command()
+def training(folder: Path) -> None:
+    """Train policies under our contacts and MuJoCo's; write JSON and a picture."""
+    from mujoco_impact_lab.training.comparison import run
+    from mujoco_impact_lab.training.results import write
+
+    with clean_errors():
+        for path in write(run(typer.echo), folder):
+            typer.echo(path)
+
+
+@app.command()
 def instructions(
     program: Path, friction_program: Path, step_program: Path, file: Path
 ) -> None:
@@ -60,6 +72,18 @@ def coverage(page: Path) -> None:
 
     with clean_errors():
         write_page(page)
+        typer.echo(page)
+
+
+@app.command()
+def warp(
+    page: Path, worlds: Annotated[list[int] | None, typer.Option()] = None
+) -> None:
+    """Measure cradles beside MuJoCo Warp on the device at hand; write the page."""
+    from mujoco_impact_lab.bench.warp_throughput import WORLDS, write_page
+
+    with clean_errors():
+        write_page(page, worlds or WORLDS, report=typer.echo)
         typer.echo(page)
 
 

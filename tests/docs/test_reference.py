@@ -8,7 +8,7 @@ from mujoco_impact import envs
 
 PAGES = Path(__file__).parents[2] / "docs/api"
 # modules of which the pages show the members
-OPENED = {"envs", "sensor"}
+OPENED = {"envs", "sensor", "warp"}
 
 
 def shown() -> set[str]:

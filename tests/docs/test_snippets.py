@@ -27,7 +27,11 @@ DOCUMENTS = sorted(
     )
 )
 # optional libraries, and how code that needs one is known
-OPTIONAL = {"dm_control": "dm_control|envs.load", "gymnasium": "gymnasium"}
+OPTIONAL = {
+    "dm_control": "dm_control|envs.load",
+    "gymnasium": "gymnasium",
+    "mujoco_warp": "mujoco_warp",
+}
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#\s]+)(#[^)\s]*)?\)")
 
@@ -83,6 +87,11 @@ def test_python_runs_and_prints_what_it_says(snippet, tmp_path, monkeypatch):
     for library, use in OPTIONAL.items():
         if re.search(use, snippet.code):
             pytest.importorskip(library)
+    if "mujoco_warp" in snippet.code:
+        import warp
+
+        # it prints which kernels it compiles
+        warp.config.log_level = warp.LOG_WARNING
     if ".render(" in snippet.code:
         need_rendering(monkeypatch)
     printed = io.StringIO()

@@ -7,7 +7,7 @@ import pytest
 
 from mujoco_impact.extras import install_hint
 
-HEAVY = ("dm_control", "gymnasium", "shimmy", "matplotlib")
+HEAVY = ("dm_control", "gymnasium", "shimmy", "matplotlib", "warp", "mujoco_warp")
 
 
 def run(script):
@@ -46,11 +46,13 @@ except mujoco_impact.ImpactError as error:
         ("dm_control", "mujoco_impact.envs.load('cradle', 'strike')"),
         ("dm_control", "mujoco_impact.envs.Cradle()"),
         ("gymnasium", "mujoco_impact.envs.register_gymnasium()"),
+        ("mujoco_warp", "mujoco_impact.warp.put_impacts"),
     ],
 )
 def test_a_missing_library_is_a_sentence_that_says_what_to_install(library, use):
     found = run(HIDDEN.format(library, use))
-    said = f"{library} is not installed: run {install_hint(library)}"
+    extra = {"mujoco_warp": "warp"}.get(library, library)
+    said = f"{library} is not installed: run {install_hint(extra)}"
     assert found.stdout.strip() == said, found.stderr
 
 

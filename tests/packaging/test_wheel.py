@@ -68,11 +68,13 @@ def test_extras_are_what_users_may_need(installed):
         (file,) = (name for name in wheel.namelist() if name.endswith("/METADATA"))
         text = wheel.read(file).decode()
     assert set(re.findall(r"^Provides-Extra: (\S+)$", text, re.M)) == {
+        "cluster",
         "plot",
         "report",
         "video",
         "dm-control",
         "gymnasium",
+        "warp",
     }
 
 

@@ -60,8 +60,8 @@ def environment_id(domain: str, task: str) -> str:
 def register_gymnasium() -> None:
     """Registers the tasks with gymnasium; does nothing if they are registered.
 
-    gymnasium makes an environment by the place of its class, so that `gym`, which needs
-    it, is imported when the first environment is made.
+    gymnasium makes an environment by the place of its class, so that `gym` and
+    `vector`, which need it, are imported when the first environment is made.
 
     Raises:
         MissingExtraError: If gymnasium is not installed.
@@ -74,6 +74,7 @@ def register_gymnasium() -> None:
         gymnasium.register(
             id=name,
             entry_point="mujoco_impact.envs.gym:ImpactEnv",
+            vector_entry_point="mujoco_impact.envs.vector:ImpactVectorEnv",
             max_episode_steps=round(TIME_LIMIT / CONTROL_TIMESTEP),
             kwargs={"domain": domain, "task": task},
         )

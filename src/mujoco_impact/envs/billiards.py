@@ -6,20 +6,19 @@ The task knows neither dm_control nor gymnasium; `domain` and `gym` make environ
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import mujoco
-import numpy as np
 
 import cradle_models
-from mujoco_impact.envs.cradle import TIMESTEP, Contacts, check_contacts
-from mujoco_impact.envs.tasks import Bounds, Random, Task, tolerance
+from mujoco_impact.envs.arithmetic import Number, hypotenuse, tolerance, where
+from mujoco_impact.envs.cradle import TIMESTEP, Contacts, check_contacts, impulses
+from mujoco_impact.envs.tasks import Bounds, Random, Source, Task
 from mujoco_impact.scene import attach
-from mujoco_impact.sensor import IMPULSE, NUMBERS_PER_GEOM, sensor_slice
 from mujoco_impact.settings import Setting
 from mujoco_impact.source import read_spec
 from mujoco_impact.specifications import compile_spec
-from mujoco_impact.trajectory import Array
 
 DOMAIN = "billiards"
 """Name of the domain that the task belongs to."""
@@ -178,29 +177,33 @@ class BankShot(Task):
     to the pocket since it turned round at that cushion, and 0 until it has.
     """
 
+    memory = ("nearest", "was_at_cushion", "has_banked", "is_pocketed")
+
     def __init__(self, model: mujoco.MjModel) -> None:
         """Takes what stays the same from the model."""
-        names = ("cue", "ball_1")
-        self._balls = [int(model.joint(f"free_{name}").qposadr[0]) for name in names]
-        self._speeds = [int(model.joint(f"free_{name}").dofadr[0]) for name in names]
-        self._stick = [
-            (int(model.joint(name).qposadr[0]), int(model.joint(name).dofadr[0]))
-            for name in ("aim", "stroke")
-        ]
-        self._impulses: slice | None = None
-        if model.nsensor > 0:
-            numbers = sensor_slice(model)
-            self._impulses = slice(
-                numbers.start + IMPULSE, numbers.stop, NUMBERS_PER_GEOM
-            )
+        # name of the joint, and how many of its numbers are observed
+        balls, stick = {"free_cue": 3, "free_ball_1": 3}, {"aim": 1, "stroke": 1}
+        at = {name: int(model.joint(name).qposadr[0]) for name in (*balls, *stick)}
+        moves = {name: int(model.joint(name).dofadr[0]) for name in at}
+        self._ball, self._speed = at["free_ball_1"], moves["free_ball_1"]
+        self._aim = at["aim"]
+        self.sources = tuple(
+            Source(field, slice(start[name], start[name] + size))
+            for joints in (balls, stick)
+            for field, start in (("qpos", at), ("qvel", moves))
+            for name, size in joints.items()
+        )
+        self._impulses = impulses(model)
+        if self._impulses is not None:
+            self.sources += (Source("sensordata", self._impulses),)
         self._forget()
 
     def _forget(self) -> None:
         """Begins anew."""
-        self.nearest = LENGTH
-        self.was_at_cushion = False
-        self.has_banked = False
-        self.is_pocketed = False
+        self.nearest: Number = LENGTH
+        self.was_at_cushion: Number = False
+        self.has_banked: Number = False
+        self.is_pocketed: Number = False
 
     def begin(self, data: Any, random: Random) -> None:
         """Lays the object ball somewhere, and turns the cue a little."""
@@ -209,38 +212,30 @@ class BankShot(Task):
             float(random.uniform(low, high))
             for low, high in zip(LOWEST_SPOT, HIGHEST_SPOT, strict=True)
         ]
-        start = self._balls[1]
-        data.qpos[start : start + 2] = place
-        data.qpos[self._stick[0][0]] = float(random.uniform(-0.1, 0.1))
+        data.qpos[self._ball : self._ball + 2] = place
+        data.qpos[self._aim] = float(random.uniform(-0.1, 0.1))
 
-    def after_step(self, data: Any) -> None:
+    def follow(
+        self,
+        time: Number,  # noqa: ARG002
+        qpos: Sequence[Number],
+        qvel: Sequence[Number],
+    ) -> None:
         """Follows the object ball."""
-        x, y, z = data.qpos[self._balls[1] : self._balls[1] + 3].tolist()
-        away = float(data.qvel[self._speeds[1] + 1]) < 0.0
+        x, y, z = qpos[self._ball : self._ball + 3]
         self.was_at_cushion |= y > WIDTH / 2 - RADIUS - NEAR_CUSHION
-        self.has_banked |= self.was_at_cushion and away
-        if not self.has_banked:
-            return
-        distance = math.hypot(x - POCKET[0], y - POCKET[1])
-        self.nearest = min(self.nearest, distance)
+        self.has_banked |= self.was_at_cushion & (qvel[self._speed + 1] < 0.0)
+        distance = hypotenuse(x - POCKET[0], y - POCKET[1])
+        nearer = self.has_banked & (distance < self.nearest)
+        self.nearest = where(nearer, distance, self.nearest)
         # it is below the bed, between the nose line and the wall of this pocket
-        fell = z < -RADIUS and y < POCKET[1]
-        self.is_pocketed |= fell and abs(x) < cradle_models.SIDE_MOUTH / 2
+        fell = (z < -RADIUS) & (y < POCKET[1])
+        fell &= abs(x) < cradle_models.SIDE_MOUTH / 2
+        self.is_pocketed |= self.has_banked & fell
 
-    def observation(self, data: Any) -> dict[str, Array]:
-        """Returns the observations by name, as copies."""
-        balls = [data.qpos[at : at + 3] for at in self._balls]
-        speeds = [data.qvel[at : at + 3] for at in self._speeds]
-        angles = [float(data.qpos[at]) for at, _ in self._stick]
-        rates = [float(data.qvel[at]) for _, at in self._stick]
-        found = {
-            "balls": np.concatenate(balls),
-            "velocities": np.concatenate(speeds),
-            "stick": np.array(angles + rates),
-        }
-        if self._impulses is not None:
-            found["impulses"] = np.array(data.sensordata[self._impulses])
-        return {**found, "nearest": np.array([self.nearest])}
+    def in_mind(self) -> list[Number]:
+        """Returns the smallest distance to the pocket since the bank [m]."""
+        return [self.nearest]
 
     def bounds(self) -> dict[str, Bounds]:
         """Returns size and bounds of each observation, in their order."""
@@ -253,10 +248,7 @@ class BankShot(Task):
         }
         return {**found, "nearest": Bounds(1, 0.0, LENGTH)}
 
-    def reward(self, data: Any) -> float:  # noqa: ARG002
+    def reward(self) -> Number:
         """Returns 1 once the ball is in the pocket, up to 1/2 before."""
-        if self.is_pocketed:
-            return 1.0
-        if not self.has_banked:
-            return 0.0
-        return 0.5 * tolerance(self.nearest, low=0.0, high=0.0, margin=FAR)
+        near = 0.5 * tolerance(self.nearest, low=0.0, high=0.0, margin=FAR)
+        return where(self.is_pocketed, 1.0, where(self.has_banked, near, 0.0))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 import mujoco
 import numpy as np
 
 import cradle_models
+from mujoco_impact.envs.arithmetic import Number, cosine
 from mujoco_impact.errors import ConfigError
 from mujoco_impact.scene import attach
 from mujoco_impact.sensor import IMPULSE, NUMBERS_PER_GEOM, sensor_slice
@@ -122,71 +123,56 @@ def _add_looks(spec: mujoco.MjSpec, count: int, motors: int) -> None:
         spec.geom(f"ball_{number}").material = role
 
 
+def impulses(model: mujoco.MjModel) -> slice | None:
+    """Returns where the sensor has the impulse of the last impact of each geom.
+
+    None if the model has no plugin, and so no sensor.
+    """
+    if model.nsensor == 0:
+        return None
+    numbers = sensor_slice(model)
+    return slice(numbers.start + IMPULSE, numbers.stop, NUMBERS_PER_GEOM)
+
+
 class CradleState:
-    """A row of pendulums of `cradle_model`, read from and written to `mjData`.
+    """What does not change of a row of pendulums of `cradle_model`.
 
     Attributes:
         size: Number of balls, n.
+        impulses: Where the impulse of the last impact of each ball [N s] is among the
+            sensors; None if the model has no plugin.
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        """Takes what stays the same from the model.
-
-        Args:
-            model: The model; `mjData` is given to each method, because an environment
-                may replace it.
-        """
+        """Reads the model."""
         self.size = int(model.njnt)
         self._length: list[float] = np.linalg.norm(model.body_ipos[1:], axis=1).tolist()
         gravity = float(-model.opt.gravity[2])
         # I / (2 m g): height that an angular velocity is worth [m s²]
         swing = model.dof_M0 / (2.0 * model.body_mass[1:] * gravity)
         self._swing: list[float] = swing.tolist()
-        self._impulses: slice | None = None
-        if model.nsensor > 0:
-            all_numbers = sensor_slice(model)
-            self._impulses = slice(
-                all_numbers.start + IMPULSE, all_numbers.stop, NUMBERS_PER_GEOM
-            )
+        self.impulses = impulses(model)
 
-    @property
-    def has_impacts(self) -> bool:
-        """Whether the model has the plugin, and so a sensor of impacts."""
-        return self._impulses is not None
-
-    def angles(self, data: Any) -> Array:
-        """Returns the angles [rad], shape (n,); 0: hanging, > 0: towards the last."""
-        return np.array(data.qpos)
-
-    def speeds(self, data: Any) -> Array:
-        """Returns the angular velocities [rad/s], shape (n,)."""
-        return np.array(data.qvel)
-
-    def impulses(self, data: Any) -> Array:
-        """Returns the impulse of the last impact of each ball [N s], shape (n,)."""
-        return np.array(data.sensordata[self._impulses])
-
-    def height(self, ball: int, angle: float, speed: float) -> float:
-        """Returns how high a ball would swing if nothing met it [m].
+    def heights(
+        self, angles: Sequence[Number], speeds: Sequence[Number]
+    ) -> list[Number]:
+        """Returns how high each ball would swing if nothing met it [m].
 
         Above its lowest point, from the energy of the pendulum:
         h = L (1 - cos θ) + I ω² / (2 m g).
 
         Args:
-            ball: Number of the ball, from 0.
-            angle: θ [rad].
-            speed: ω [rad/s].
+            angles: θ of each ball [rad].
+            speeds: ω of each ball [rad/s].
         """
-        swing = self._swing[ball] * speed * speed
-        return self._length[ball] * (1.0 - math.cos(angle)) + swing
-
-    def heights(self, data: Any) -> list[float]:
-        """Returns `height` of every ball [m]."""
-        # a few numbers: plain floats are several times faster than arrays
-        angles, speeds = data.qpos.tolist(), data.qvel.tolist()
-        return list(map(self.height, range(self.size), angles, speeds))
+        return [
+            length * (1.0 - cosine(angle)) + swing * speed * speed
+            for length, swing, angle, speed in zip(
+                self._length, self._swing, angles, speeds, strict=True
+            )
+        ]
 
     def place(self, data: Any, angles: Array) -> None:
-        """Puts the balls at rest at these angles [rad], shape (n,)."""
+        """Puts the balls at rest at these angles [rad], shape (n,): 0 is hanging."""
         data.qpos[:] = angles
         data.qvel[:] = 0.0

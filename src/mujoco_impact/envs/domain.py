@@ -64,6 +64,7 @@ class Task(base.Task):  # type: ignore[misc]
         """
         super().__init__(random=random)
         self.rules = rules
+        self._names = tasks.split(rules.bounds())
 
     def initialize_episode(self, physics: Any) -> None:
         """Draws the initial state of an episode."""
@@ -78,11 +79,13 @@ class Task(base.Task):  # type: ignore[misc]
     def get_observation(self, physics: Any) -> collections.OrderedDict[str, Array]:
         """Returns the observations by name."""
         found = self.rules.observation(physics.data)
-        return collections.OrderedDict(found)
+        return collections.OrderedDict(
+            {name: found[at] for name, at in self._names.items()}
+        )
 
-    def get_reward(self, physics: Any) -> float:
-        """Returns the reward in [0, 1]."""
-        return float(np.clip(self.rules.reward(physics.data), 0.0, 1.0))
+    def get_reward(self, physics: Any) -> float:  # noqa: ARG002
+        """Returns the reward of the state after the last step, in [0, 1]."""
+        return float(np.clip(self.rules.reward(), 0.0, 1.0))
 
 
 def environment(

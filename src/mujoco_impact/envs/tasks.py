@@ -6,15 +6,20 @@ them.
 
 from __future__ import annotations
 
+import copy
+import functools
+import itertools
 import math
+import operator
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
+from mujoco_impact.envs.arithmetic import Number, tolerance, where
 from mujoco_impact.envs.cradle import CradleState
 from mujoco_impact.trajectory import Array
 
@@ -51,28 +56,106 @@ class Bounds:
     high: float
 
 
+@dataclass(frozen=True)
+class Source:
+    """Numbers of `mjData` that are observed as they are.
+
+    Attributes:
+        field: Name of the array.
+        index: Which of its numbers.
+    """
+
+    field: str
+    index: slice
+
+
 class Task(ABC):
-    """What a library needs of a task; one object plays one episode after another."""
+    """What a library needs of a task; one object plays one episode after another.
+
+    It plays in one environment, or in many at once, see `for_many`. An observation
+    consists of numbers from the arrays of `mjData`, and then of numbers `in_mind`.
+    """
+
+    sources: tuple[Source, ...]
+    """The first part of an observation."""
+
+    memory: tuple[str, ...]
+    """Attributes that are kept from step to step: numbers, or lists of numbers."""
 
     @abstractmethod
     def begin(self, data: Any, random: Random) -> None:
         """Sets the initial state of an episode; `data` has been reset."""
 
     @abstractmethod
-    def after_step(self, data: Any) -> None:
-        """Follows the motion; called after every control step."""
+    def follow(
+        self, time: Number, qpos: Sequence[Number], qvel: Sequence[Number]
+    ) -> None:
+        """Follows the motion; called after `begin` and after every control step.
+
+        A second call in the same state changes nothing.
+
+        Args:
+            time: The time since the start [s].
+            qpos: All positions.
+            qvel: All velocities.
+        """
 
     @abstractmethod
-    def observation(self, data: Any) -> dict[str, Array]:
-        """Returns the observations by name, as copies."""
+    def reward(self) -> Number:
+        """Returns the reward of the state followed last, in [0, 1]."""
+
+    @abstractmethod
+    def in_mind(self) -> list[Number]:
+        """Returns the second part of an observation."""
 
     @abstractmethod
     def bounds(self) -> dict[str, Bounds]:
         """Returns size and bounds of each observation, in their order."""
 
-    @abstractmethod
-    def reward(self, data: Any) -> float:
-        """Returns the reward of the present state, in [0, 1]."""
+    def after_step(self, data: Any) -> None:
+        """Follows the motion that `mjData` have come to."""
+        self.follow(data.time, data.qpos.tolist(), data.qvel.tolist())
+
+    def observation(self, data: Any) -> Array:
+        """Returns the observations one after another, as a copy.
+
+        Args:
+            data: `mjData`, or its arrays with an axis of environments in front.
+        """
+        parts = [getattr(data, one.field)[..., one.index] for one in self.sources]
+        numbers = self.in_mind()
+        if numbers:
+            parts.append(np.array(numbers).T)
+        return np.concatenate(parts, axis=-1)
+
+    def for_many(self, count: int) -> Task:
+        """Returns the task for as many environments, whose numbers are arrays."""
+        many = copy.copy(self)
+        for name in self.memory:
+            found = getattr(self, name)
+            if isinstance(found, list):
+                setattr(many, name, [np.full(count, one) for one in found])
+            else:
+                setattr(many, name, np.full(count, found))
+        return many
+
+    def take(self, number: int, one: Task) -> None:
+        """Takes for one of many environments what a task of one environment keeps."""
+        for name in self.memory:
+            mine, other = getattr(self, name), getattr(one, name)
+            if not isinstance(mine, list):
+                mine, other = [mine], [other]
+            for array, value in zip(mine, other, strict=True):
+                array[number] = value
+
+
+def split(bounds: Mapping[str, Bounds]) -> dict[str, slice]:
+    """Returns where the observations lie that follow one another."""
+    ends = itertools.accumulate(one.size for one in bounds.values())
+    return {
+        name: slice(end - one.size, end)
+        for (name, one), end in zip(bounds.items(), ends, strict=True)
+    }
 
 
 class CradleTask(Task):
@@ -83,46 +166,47 @@ class CradleTask(Task):
     it is not out. It is forgotten when the last ball leaves the row anew.
     """
 
+    memory: tuple[str, ...] = ("reach", "was_out")
+
     motors: ClassVar[int]
     """How many balls, from the left, have a motor."""
 
     def __init__(self, state: CradleState) -> None:
         """Takes the view of the model that the task is played on."""
         self.state = state
-        self.reach: Array = np.zeros(state.size)
-        self._was_out = False
+        self.heights: list[Number] = []
+        self.reach: list[Number] = [0.0] * state.size
+        self.was_out: Number = False
+        self.sources = (Source("qpos", slice(None)), Source("qvel", slice(None)))
+        if state.impulses is not None:
+            self.sources += (Source("sensordata", state.impulses),)
 
     def begin(self, data: Any, random: Random) -> None:
         """Sets the initial state of an episode; `data` has been reset."""
-        self.reach = np.zeros(self.state.size)
-        self._was_out = False
+        self.reach = [0.0] * self.state.size
+        self.was_out = False
         self.state.place(data, self.initial_angles(random))
 
-    def after_step(self, data: Any) -> None:
-        """Follows how far the balls swing out; called after every control step."""
-        angles = data.qpos.tolist()
-        is_out = angles[-1] > OUT_ANGLE
-        if is_out and not self._was_out:
-            self.reach = np.zeros(self.state.size)
-        self._was_out = is_out
-        for ball, angle in enumerate(angles):
-            if angle > OUT_ANGLE:
-                speed = float(data.qvel[ball])
-                self.reach[ball] = self.state.height(ball, angle, speed)
-
-    def observation(self, data: Any) -> dict[str, Array]:
-        """Returns the observations by name, as copies."""
-        found = {
-            "angles": self.state.angles(data),
-            "speeds": self.state.speeds(data),
-        }
-        if self.state.has_impacts:
-            found["impulses"] = self.state.impulses(data)
-        return {**found, **self.own_observation(data)}
+    def follow(
+        self,
+        time: Number,  # noqa: ARG002
+        qpos: Sequence[Number],
+        qvel: Sequence[Number],
+    ) -> None:
+        """Follows how far the balls swing out; see `Task`."""
+        self.heights = self.state.heights(qpos, qvel)
+        is_out = qpos[-1] > OUT_ANGLE
+        # 0 when the last ball leaves, and all are forgotten, otherwise 1
+        kept = 1 - (is_out > self.was_out)
+        self.was_out = is_out
+        self.reach = [
+            where(angle > OUT_ANGLE, height, kept * reach)
+            for angle, height, reach in zip(qpos, self.heights, self.reach, strict=True)
+        ]
 
     def bounds(self) -> dict[str, Bounds]:
         """Returns size and bounds of each observation, in their order."""
-        names = ["angles", "speeds"] + ["impulses"] * self.state.has_impacts
+        names = ("angles", "speeds", "impulses")[: len(self.sources)]
         n = self.state.size
         common = {name: Bounds(n, -LARGEST[name], LARGEST[name]) for name in names}
         return {**common, **self.own_bounds()}
@@ -132,36 +216,12 @@ class CradleTask(Task):
         """Returns where the balls are let go [rad], and draws what else is random."""
 
     @abstractmethod
-    def own_observation(self, data: Any) -> dict[str, Array]:
-        """Returns the observations that only this task has."""
-
-    @abstractmethod
     def own_bounds(self) -> dict[str, Bounds]:
-        """Returns size and bounds of `own_observation`."""
+        """Returns size and bounds of what is `in_mind`."""
 
     def first_lifted(self, balls: int, angle: float) -> Array:
         """Returns angles [rad] with the first `balls` lifted and the others hanging."""
         return np.where(np.arange(self.state.size) < balls, -angle, 0.0)
-
-
-VALUE_AT_MARGIN = 0.1
-"""Reward at the margin of `tolerance`."""
-
-
-def tolerance(value: float, *, low: float, high: float, margin: float) -> float:
-    """Returns 1 for a value within [low, high], falling like a Gaussian outside.
-
-    The shape is that of `dm_control.utils.rewards.tolerance`: with d the distance
-    to the interval in units of the margin, exp(d² ln 0.1), which is 0.1 for d = 1.
-
-    Args:
-        value: The quantity.
-        low: Lower bound of the target.
-        high: Upper bound of the target; infinite for none.
-        margin: Distance outside at which the reward is 0.1, > 0.
-    """
-    distance = max(low - value, value - high, 0.0) / margin
-    return math.exp(distance**2 * math.log(VALUE_AT_MARGIN))
 
 
 LOWEST_TARGET, HIGHEST_TARGET = 0.01, 0.05
@@ -174,21 +234,23 @@ EXACT = 0.002
 class Strike(CradleTask):
     """The reward is 1 while the reach of the last ball is the target height."""
 
+    memory = (*CradleTask.memory, "target")
+
     motors: ClassVar[int] = 1
 
     def __init__(self, state: CradleState) -> None:
         """See `CradleTask`."""
         super().__init__(state)
-        self.target = LOWEST_TARGET
+        self.target: Number = LOWEST_TARGET
 
     def initial_angles(self, random: Random) -> Array:
         """Returns a hanging row whose first ball is a little lifted."""
         self.target = float(random.uniform(LOWEST_TARGET, HIGHEST_TARGET))
         return self.first_lifted(1, float(random.uniform(0.0, START_ANGLE)))
 
-    def own_observation(self, data: Any) -> dict[str, Array]:  # noqa: ARG002
+    def in_mind(self) -> list[Number]:
         """Returns the reach of the last ball and the target height [m]."""
-        return {"reach": self.reach[-1:].copy(), "target": np.array([self.target])}
+        return [self.reach[-1], self.target]
 
     def own_bounds(self) -> dict[str, Bounds]:
         """Returns the bounds of both."""
@@ -197,10 +259,10 @@ class Strike(CradleTask):
             "target": Bounds(1, LOWEST_TARGET, HIGHEST_TARGET),
         }
 
-    def reward(self, data: Any) -> float:  # noqa: ARG002
+    def reward(self) -> Number:
         """Returns 1 within 2 mm of the target, 0.1 at half or 3/2 of it."""
         return tolerance(
-            float(self.reach[-1]),
+            self.reach[-1],
             low=self.target - EXACT,
             high=self.target + EXACT,
             margin=self.target / 2.0 - EXACT,
@@ -229,17 +291,18 @@ class Damp(CradleTask):
             lifted, float(random.uniform(LOWEST_START, HIGHEST_START))
         )
 
-    def own_observation(self, data: Any) -> dict[str, Array]:  # noqa: ARG002
+    def in_mind(self) -> list[Number]:
         """Returns nothing: angles, speeds and impulses are all there is."""
-        return {}
+        return []
 
     def own_bounds(self) -> dict[str, Bounds]:
         """Returns nothing, too."""
         return {}
 
-    def reward(self, data: Any) -> float:
+    def reward(self) -> Number:
         """Returns 1 at rest, less the more energy there is (as a height)."""
-        height = sum(self.state.heights(data))
+        # one after another: `sum` may add floats and arrays differently
+        height = functools.reduce(operator.add, self.heights)
         return tolerance(height, low=0.0, high=REST, margin=FAR - REST)
 
 
@@ -257,30 +320,35 @@ REQUEST_TIME = 5.0
 class Select(CradleTask):
     """The reward is 1 while exactly the last n balls reached the height of 5 mm."""
 
+    memory = (*CradleTask.memory, "requests")
+
     motors: ClassVar[int] = 3
 
     def __init__(self, state: CradleState) -> None:
         """See `CradleTask`."""
         super().__init__(state)
-        self._requests = (1, 2)
+        self.requests: list[Number] = [1.0, 2.0]
+        self.wanted: Number = 1.0
 
     def initial_angles(self, random: Random) -> Array:
         """Returns a hanging row whose first ball is a little lifted."""
         first = int(random.uniform(0.0, self.motors))
         # another one than the first
         second = first + 1 + int(random.uniform(0.0, self.motors - 1))
-        self._requests = (1 + first, 1 + second % self.motors)
+        self.requests = [1.0 + first, 1.0 + second % self.motors]
         return self.first_lifted(1, float(random.uniform(0.0, START_ANGLE)))
 
-    def wanted(self, data: Any) -> int:
-        """Returns how many balls are wanted now."""
-        turn = int(data.time / REQUEST_TIME)
-        return self._requests[turn % len(self._requests)]
+    def follow(
+        self, time: Number, qpos: Sequence[Number], qvel: Sequence[Number]
+    ) -> None:
+        """Looks how many balls are wanted now."""
+        super().follow(time, qpos, qvel)
+        is_first = time / REQUEST_TIME % 2.0 < 1.0
+        self.wanted = where(is_first, *self.requests)
 
-    def own_observation(self, data: Any) -> dict[str, Array]:
+    def in_mind(self) -> list[Number]:
         """Returns the reach of every ball [m] and the number wanted."""
-        wanted = np.array([float(self.wanted(data))])
-        return {"reach": self.reach.copy(), "wanted": wanted}
+        return [*self.reach, self.wanted]
 
     def own_bounds(self) -> dict[str, Bounds]:
         """Returns the bounds of both."""
@@ -289,19 +357,20 @@ class Select(CradleTask):
             "wanted": Bounds(1, 1.0, float(self.motors)),
         }
 
-    def reward(self, data: Any) -> float:
+    def reward(self) -> Number:
         """Returns the product over all balls of how well each does its part."""
-        wanted = self.wanted(data)
-        out, stay = self.reach[-wanted:], self.reach[:-wanted]
-        sent = [
-            tolerance(float(reach), low=OUT_HEIGHT, high=np.inf, margin=OUT_HEIGHT / 2)
-            for reach in out
-        ]
-        stayed = [
-            tolerance(float(reach), low=0.0, high=STAY_HEIGHT, margin=STAY_HEIGHT)
-            for reach in stay
-        ]
-        return float(np.prod(sent + stayed))
+        sent, stayed = [], []
+        for ball, reach in enumerate(self.reach):
+            is_wanted = ball >= self.state.size - self.wanted
+            value = tolerance(
+                reach,
+                low=where(is_wanted, OUT_HEIGHT, 0.0),
+                high=where(is_wanted, math.inf, STAY_HEIGHT),
+                margin=where(is_wanted, OUT_HEIGHT / 2, STAY_HEIGHT),
+            )
+            sent.append(where(is_wanted, value, 1.0))
+            stayed.append(where(is_wanted, 1.0, value))
+        return math.prod(sent + stayed)
 
 
 DOMAIN = "cradle"

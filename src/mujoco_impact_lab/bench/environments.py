@@ -13,27 +13,33 @@ from mujoco_impact_lab.bench.environment_steps import StepCost, step_costs
 from mujoco_impact_lab.bench.machine import machine, versions
 from mujoco_impact_lab.bench.rollout_throughput import Throughput, throughput
 from mujoco_impact_lab.bench.scores import table as score_table
+from mujoco_impact_lab.bench.vector_steps import VectorCost, vector_costs
 
 BLOCKS = 300
+ROUNDS = 40
 ROLLOUTS = 10_000
 THREADS = (1, 2)
 
 
-def run(*, blocks: int = BLOCKS, rollouts: int = ROLLOUTS) -> dict[str, Any]:
+def run(
+    *, blocks: int = BLOCKS, rounds: int = ROUNDS, rollouts: int = ROLLOUTS
+) -> dict[str, Any]:
     """Measures everything.
 
     Args:
         blocks: Blocks of 25 control steps of each environment.
+        rounds: Rounds of 512 control steps of each vector environment.
         rollouts: Simulations of 1 s for each number of threads.
 
     Returns:
-        Machine and versions, `steps` (`StepCost`), `rollouts` (`Throughput`) and
-        `scores` (a table in Markdown).
+        Machine and versions, `steps` (`StepCost`), `vectors` (`VectorCost`),
+        `rollouts` (`Throughput`) and `scores` (a table in Markdown).
     """
     return {
         "machine": machine(),
         "versions": versions([]),
         "steps": step_costs(blocks),
+        "vectors": vector_costs(rounds),
         "rollouts": throughput(THREADS, rollouts),
         "scores": score_table(),
     }
@@ -70,6 +76,13 @@ with MuJoCo's contacts; "ratio": median over blocks of 25 steps in turn. "mj_ste
 part of ours that is physics; "overhead": the environment over it.
 
 {_step_table(results["steps"])}
+## Vector environments
+
+Control steps a second, of all environments together, by the clock, with random
+actions. "loop": a Python loop over `gymnasium.make`; "sync": `SyncVectorEnv`; "ours":
+`gymnasium.make_vec` with a thread for each core; ratios: medians over rounds in turn.
+
+{_vector_table(results["vectors"])}
 ## Rollouts
 
 {results["rollouts"][0].rollouts} simulations of 1 s of five balls, let go at as many
@@ -89,6 +102,15 @@ def _step_table(costs: Sequence[StepCost]) -> str:
     return markdown_table(
         ("environment", "owned", "ours [us]", "MuJoCo's [us]", "ratio", "mj_step [us]",
          "overhead"),
+        map(_cells, costs),
+    )  # fmt: skip
+
+
+def _vector_table(costs: Sequence[VectorCost]) -> str:
+    """Returns the table of vector environments."""
+    return markdown_table(
+        ("environment", "environments", "loop [1/s]", "sync [1/s]", "ours [1/s]",
+         "ours/loop", "ours/sync"),
         map(_cells, costs),
     )  # fmt: skip
 
