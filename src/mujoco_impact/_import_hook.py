@@ -25,9 +25,7 @@ def when_imported(name: str, action: Action) -> None:
     """
     if name in sys.modules:
         action(sys.modules[name])
-    elif not any(
-        isinstance(one, _Finder) and one.awaits(name) for one in sys.meta_path
-    ):
+    else:
         sys.meta_path.insert(0, _Finder(name, action))
 
 
@@ -39,10 +37,6 @@ class _Finder(importlib.abc.MetaPathFinder):
         self._name = name
         self._action = action
         self._asking = False
-
-    def awaits(self, name: str) -> bool:
-        """Returns whether this is the finder of that module."""
-        return name == self._name
 
     def find_spec(
         self,

@@ -63,7 +63,7 @@ def in_order(
             given.
         WorkerError: If workers are lost again and again.
     """
-    count = _process_count(executor, processes)
+    count = check_workers(executor, processes)
     work = list(tasks)
     if executor is None and min(count, len(work)) <= 1:
         return map(function, work)
@@ -73,8 +73,16 @@ def in_order(
     return _each(_on_this_machine(function, shares, min(count, len(shares))))
 
 
-def _process_count(executor: Executor | None, processes: int | None) -> int:
-    """Returns the number of processes to start; ConfigError if that is not valid."""
+def check_workers(executor: Executor | None, processes: int | None) -> int:
+    """Returns the number of processes to start.
+
+    Args:
+        executor: See `in_order`.
+        processes: See `in_order`.
+
+    Raises:
+        ConfigError: If one of them is not valid, or both are given.
+    """
     if executor is not None:
         if processes is not None:
             msg = f"executor and processes = {processes}: give one of them"
@@ -172,13 +180,14 @@ def _on_this_machine(
             if restarts > RESTARTS:
                 msg = (
                     f"a process was lost {restarts} times in part {done + 1} of "
-                    f"{len(parts)} of the work; it was killed, perhaps for want of "
-                    "memory: use fewer processes"
+                    f"{len(parts)} of the work. It was killed, perhaps for want of "
+                    "memory (use fewer processes), or it could not begin: a script "
+                    "that uses processes starts under `if __name__ == '__main__':`"
                 )
                 raise WorkerError(msg) from error
         finally:
-            # what no one reads any more is not waited for, and not cancelled either:
-            # a pool that breaks meanwhile fails at a future that was cancelled
+            # what no one reads any more is not waited for; the pool itself cancels
+            # it, for a pool that breaks fails at a future that we had cancelled
             want.close()
             pool.shutdown(cancel_futures=True)
             wanted.close()

@@ -95,7 +95,6 @@ class Simulator:
         self._plan = plan
         self._pool = pool
         self._threads = threads
-        self._data: list[mujoco.MjData] = []
 
     def __call__(self, part: Part) -> Simulated:
         """Simulates a part.
@@ -105,11 +104,11 @@ class Simulator:
         """
         plan, model = self._plan, self._plan.model
         pool = self._pool or Rollout(nthread=0)
-        if not self._data:
-            self._data = [mujoco.MjData(model) for _ in range(self._threads)]
+        # of each call: an executor of threads calls one simulator many times at once
+        workers = [mujoco.MjData(model) for _ in range(self._threads)]
         with collected_warnings() as messages:
             states, sensors = pool.rollout(
-                model, self._data, part.start, part.control, nstep=plan.steps
+                model, workers, part.start, part.control, nstep=plan.steps
             )
         if messages:
             raise _failure(model, part, states, messages[0])
