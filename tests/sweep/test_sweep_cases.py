@@ -124,6 +124,7 @@ def test_units_are_those_of_the_documentation():
         ({"record": None}, "record is missing: must be a list of what to record"),
         ({"record": ["velocty_error"]}, "did you mean 'velocity_error'"),
         ({"record": ["impulse.left"]}, r"must be impulse.GEOM\+GEOM"),
+        ({"record": ["impulse.a+a"]}, r"must be impulse.GEOM\+GEOM, two geoms"),
         ({"duration": None}, r"duration is missing: a time > 0 \[s\]"),
         ({"duration": "1 s"}, r"duration = '1 s': must be a time > 0 \[s\]"),
         ({"restitution": 1}, "no key 'restitution'; did you mean 'attach.restitution'"),
@@ -144,6 +145,8 @@ def test_units_are_those_of_the_documentation():
         ({"grid": {"restitution": [1]}}, "did you mean 'attach.restitution'"),
         ({"grid": {"tuned_for": [0]}}, "tuned_for = 0: must be a speed > 0"),
         ({"grid": {"timestep": [1e-6] * 1001, "repeat": []}}, "no such parameter"),
+        ({"scene.builder": "row"}, "scene.builder is given twice"),
+        ({"grid": {"mass": {"a": [1]}, "mass.a": [2]}}, "grid.mass.a is given twice"),
         ({"list": {"timestep": [1], "keyframe": ["a", "b"]}}, "must have as many"),
         ({"list": {"duration": [1]}}, "has a fixed value and stands in .list."),
         ({"random": {"seed": 0}}, "random.cases is missing: a whole number, 1 to"),
@@ -173,3 +176,10 @@ def test_too_many_cases_are_refused_before_they_are_made():
         read_specification(
             {"scene": ROW, "duration": 1, "record": "impacts", "grid": grid}
         )
+
+
+def test_cases_and_repeats_have_a_bound_together():
+    """Each alone is within its own."""
+    many = {"from": 1, "to": 2, "count": 101}
+    with pytest.raises(ConfigError, match="101 cases have 1010000 rows, allowed: 1000"):
+        cases_of(grid={"scene": {"release": many}}, repeats=10_000)

@@ -97,6 +97,47 @@ def test_workers_of_another_version_are_refused() -> None:
         cluster._check_versions({"tcp://a:1": other})
 
 
+def test_a_worker_without_the_package_is_told() -> None:
+    distributed = pytest.importorskip("distributed")
+    without = "import sys; sys.modules['mujoco_impact'] = None"
+    with (
+        distributed.LocalCluster(
+            n_workers=1,
+            threads_per_worker=1,
+            dashboard_address=None,
+            silence_logs=logging.CRITICAL,
+            preload=without,
+        ) as workers,
+        pytest.raises(WorkerError, match=r"the worker at tcp://\S+ has no mujoco-imp"),
+        dask_workers(scheduler=workers.scheduler_address),
+    ):
+        pass
+
+
+class Late(Exception):
+    """What the timeout of asyncio is under Python 3.10: no OSError."""
+
+
+@pytest.mark.parametrize(
+    ("options", "place"),
+    [
+        ({"local": 1}, "on this machine"),
+        ({"scheduler": "tcp://10.0.0.1:8786"}, "at tcp://10.0.0.1:8786"),
+    ],
+)
+def test_workers_that_do_not_come_in_time_are_told(monkeypatch, options, place) -> None:
+    dask = MagicMock()
+    dask.TimeoutError = Late
+    dask.LocalCluster.return_value.__exit__.return_value = False
+    dask.Client.side_effect = Late
+    monkeypatch.setattr(cluster, "require", lambda _: dask)
+    with (
+        pytest.raises(WorkerError, match=f"no workers {place}: no answer"),
+        dask_workers(**options),
+    ):
+        pass
+
+
 def test_without_dask_it_says_how_to_get_it(monkeypatch) -> None:
     monkeypatch.setattr(extras, "is_installed", lambda _: False)
     with (

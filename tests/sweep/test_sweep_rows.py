@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import os
 import shutil
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -22,7 +23,7 @@ from mujoco_impact.sweeping import rows_file
 AFTER = "velocity_after.right.x"
 
 
-def swept(given: dict[str, Any], out: Path | None = None, **options: Any):
+def swept(given: dict[str, Any] | Path, out: Path | None = None, **options: Any):
     return mujoco_impact.sweep(given, out, processes=1, **options)
 
 
@@ -63,11 +64,11 @@ def test_every_quantity_and_parameter_is_taken(given):
         "grid": {"method": ["mujoco-impact", "MuJoCo damper"]},
     }
     ours, damper = swept(given).rows
-    # 2 m/s by the factor, and 1 m/s against it
-    assert ours["impact_speed"] == pytest.approx(3.0, rel=1e-9)
-    assert ours["velocity_after.left.x"] == pytest.approx(-1.0, rel=1e-9)
+    # 1 m/s of the keyframe and 1 m/s against it, both times the factor
+    assert ours["impact_speed"] == pytest.approx(4.0, rel=1e-9)
+    assert ours["velocity_after.left.x"] == pytest.approx(-2.0, rel=1e-9)
     assert ours[AFTER] == pytest.approx(2.0, rel=1e-9)
-    assert ours["impulse"] == ours["impulse.left+right"] == pytest.approx(0.3, rel=1e-9)
+    assert ours["impulse"] == ours["impulse.left+right"] == pytest.approx(0.4, rel=1e-9)
     assert ours["impacts"] == damper["impacts"] == 1
     assert ours["energy_lost"] == pytest.approx(0.0, abs=1e-9)
     assert ours["run_time"] > 0
@@ -122,12 +123,38 @@ def test_what_does_not_fit_the_scene_is_told_before_anything_runs(given, tmp_pat
         ({"mass": {"rigt": 1}}, ConfigError, "no geom 'rigt'; did you mean 'right'"),
         ({"qvel": {"x9": 1}}, ConfigError, "no joint 'x9' .available: x1, x2."),
         ({"qpos": {"x1": [1, 2]}}, ConfigError, "numbers the joint needs: 1"),
+        (
+            {"record": ["impulse.left+rigth"]},
+            ConfigError,
+            "'impulse.left.rigth': the scene has no geom 'rigth'; did you mean 'right'",
+        ),
+        (
+            {"record": ["velocity_after.nobody"]},
+            ConfigError,
+            "no moving body 'nobody' .available: left, right.",
+        ),
         ({"keyframe": "shut"}, SceneError, "did you mean 'shot'"),
         ({"scene": {"model": "nothing.xml"}}, SceneError, "no model file"),
     ):
         with pytest.raises(error, match=message):
             swept({**given, "grid": {}, **change}, tmp_path / "rows.csv")
     assert not list(tmp_path.glob("rows*"))
+
+
+def test_an_impulse_is_0_only_of_a_pair_that_is_there():
+    """The first two balls of three meet first; a scene of two has no third."""
+    given = {
+        "scene": {"builder": "row"},
+        "duration": 0.3,
+        "record": ["impulse.ball_1+ball_2", "impulse.ball_1+ball_3"],
+        "grid": {"scene": {"pattern": ["AAA", "AA"]}},
+    }
+    three, two = swept(given).rows
+    assert three["impulse.ball_1+ball_2"] > 0
+    assert three["impulse.ball_1+ball_3"] == 0.0
+    assert two["impulse.ball_1+ball_2"] > 0
+    assert two["impulse.ball_1+ball_3"] is None
+    assert two["error"] is None
 
 
 def test_repeats_are_rows_of_their_own(given):
@@ -256,8 +283,89 @@ def test_rows_that_no_sweep_tells_of_are_refused(given, tmp_path):
     out = tmp_path / "rows.csv"
     swept(given, out)
     (tmp_path / "rows.csv.sweep.json").unlink()
+    for restart in (False, True):
+        with pytest.raises(SweepError, match="does not tell what it is") as caught:
+            swept(given, out, restart=restart)
+        assert "--restart" not in str(caught.value)
+    assert len(lines(out)) == 4
+
+
+def test_of_a_folder_only_rows_that_a_sweep_wrote_are_thrown_away(given, tmp_path):
+    pytest.importorskip("pyarrow")
+    out = tmp_path / "data.parquet"
+    out.mkdir()
+    notes = out / "notes.txt"
+    notes.write_text("made by hand")
     with pytest.raises(SweepError, match="does not tell what it is"):
-        swept(given, out)
+        swept(given, out, restart=True)
+    assert notes.read_text() == "made by hand"
+    shutil.rmtree(out)
+    swept(given, out)
+    whole = contents(out)
+    (out / ".0123456789ab.parquet").write_bytes(b"PAR1")
+    notes.write_text("made by hand")
+    with pytest.raises(SweepError, match=r"notes\.txt is no file of rows"):
+        swept(given, out, restart=True)
+    assert whole.items() <= contents(out).items()
+    notes.unlink()
+    swept({**given, "record": ["impacts"]}, out, restart=True)
+    assert contents(out).keys() == whole.keys()
+    assert contents(out) != whole
+
+
+def test_rows_stay_if_the_way_to_run_is_not_valid(given, tmp_path):
+    out = tmp_path / "rows.csv"
+    swept(given, out)
+    whole = out.read_bytes()
+    for options, message in (
+        ({"processes": 0}, "processes = 0: must be >= 1"),
+        ({"executor": 3}, "executor = 3: allowed: anything with the interface"),
+    ):
+        with pytest.raises(ConfigError, match=message):
+            mujoco_impact.sweep(given, out, restart=True, **options)
+    assert out.read_bytes() == whole
+
+
+TETRAHEDRON = """
+v 0 0 0
+v .01 0 0
+v 0 .01 0
+v 0 0 .01
+f 1 3 2
+f 1 2 4
+f 2 3 4
+f 1 4 3
+"""
+
+
+def test_rows_of_a_mesh_that_was_another_are_refused(scene, tmp_path):
+    """The model file is the same: only a file that it names has changed."""
+    mesh = tmp_path / "thing.obj"
+    mesh.write_text(TETRAHEDRON)
+    text = scene.read_text()
+    text = text.replace(
+        "<worldbody>",
+        '<asset><mesh name="thing" file="thing.obj"/></asset><worldbody>'
+        '<geom type="mesh" mesh="thing" pos="0 0 1"/>',
+    )
+    scene.write_text(text)
+    (tmp_path / "study.toml").write_text(
+        'duration = 0.04\nrecord = "impacts"\nscene.model = "two_balls.xml"\n'
+    )
+    # a study may be moved
+    folder = tmp_path / "moved"
+    folder.mkdir()
+    out = folder / "rows.csv"
+    swept(tmp_path / "study.toml", out)
+    for file in (scene, mesh, tmp_path / "study.toml"):
+        shutil.move(file, folder)
+    study, mesh = folder / "study.toml", folder / mesh.name
+    assert len(swept(study, out).rows) == 1
+    mesh.write_text(TETRAHEDRON.replace(".01", ".011"))
+    # MuJoCo keeps meshes, and takes files of one second for the same
+    os.utime(mesh, (0, 0))
+    with pytest.raises(SweepError, match=r"the file two_balls\.xml was"):
+        swept(study, out)
 
 
 def test_rows_that_were_changed_are_refused(given, tmp_path):

@@ -13,13 +13,16 @@ import numpy as np
 
 from mujoco_impact.errors import ConfigError
 from mujoco_impact.files import quoted
-from mujoco_impact.sweeping.parameters import Value, check_value, flattened
+from mujoco_impact.sweeping.parameters import Value, check_value
 
 Values = dict[str, Value]
 """A value for each of some parameters."""
 
 MOST_CASES = 1_000_000
 """Most cases of a sweep."""
+
+NUMBERS = ("cases", "seed")
+"""What stands in the table `[random]` besides parameters."""
 
 LARGEST_SEED = 2**32 - 1
 """Largest seed of random draws."""
@@ -32,13 +35,10 @@ def grid_cases(table: Mapping[str, Any]) -> list[Values]:
     """Returns every combination of the values of a table, the last one fastest.
 
     Args:
-        table: The table `[grid]`: of each parameter a list of values, or a range
-            { from = 1, to = 8, count = 4, spacing = "log" }.
+        table: What the table `[grid]` says of each parameter: a list of values, or a
+            range { from = 1, to = 8, count = 4, spacing = "log" }.
     """
-    axes = {
-        name: grid_values(name, given, "grid.")
-        for name, given in flattened(table, "grid.").items()
-    }
+    axes = {name: grid_values(name, given, "grid.") for name, given in table.items()}
     _check_count(math.prod(len(axis) for axis in axes.values()))
     return [
         dict(zip(axes, values, strict=True))
@@ -50,12 +50,10 @@ def list_cases(table: Mapping[str, Any]) -> list[Values]:
     """Returns the first values of all parameters of a table, then the second, ...
 
     Args:
-        table: The table `[list]`: of each parameter as many values as of the others.
+        table: What the table `[list]` says of each parameter: as many values as of the
+            others.
     """
-    columns = {
-        name: grid_values(name, given, "list.")
-        for name, given in flattened(table, "list.").items()
-    }
+    columns = {name: grid_values(name, given, "list.") for name, given in table.items()}
     lengths = {name: len(column) for name, column in columns.items()}
     if len(set(lengths.values())) > 1:
         shown = ", ".join(f"{name} has {count}" for name, count in lengths.items())
@@ -73,17 +71,18 @@ def random_cases(table: Mapping[str, Any]) -> list[Values]:
     or more cases leave them as they are.
 
     Args:
-        table: The table `[random]`: `cases`, how many; `seed`; and of each parameter
-            { uniform = [0, 1] }, { log_uniform = [1, 100] } or { choice = [...] }.
+        table: What the table `[random]` says: `cases`, how many; `seed`; and of each
+            parameter { uniform = [0, 1] }, { log_uniform = [1, 100] } or
+            { choice = [...] }.
     """
     if not table:
         return [{}]
-    given = dict(table)
-    count = _whole(given.pop("cases", None), "random.cases", 1, MOST_CASES)
-    seed = _whole(given.pop("seed", None), "random.seed", 0, LARGEST_SEED)
+    count = _whole(table.get("cases"), "random.cases", 1, MOST_CASES)
+    seed = _whole(table.get("seed"), "random.seed", 0, LARGEST_SEED)
     drawn = {
         name: _draws(name, how, count, seed)
-        for name, how in flattened(given, "random.").items()
+        for name, how in table.items()
+        if name not in NUMBERS
     }
     if not drawn:
         raise ConfigError("random: no parameter to draw stands in it")

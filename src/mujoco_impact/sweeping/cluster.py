@@ -67,10 +67,12 @@ def dask_workers(
                 distributed.Client(address, timeout=PATIENCE, set_as_default=False)
             )
             client.wait_for_workers(1, timeout=PATIENCE)
-        except (OSError, ValueError) as error:
-            msg = f"no workers at {scheduler}: {error or 'no answer'}"
+        # under Python 3.10 the timeout of asyncio is no OSError
+        except (OSError, ValueError, distributed.TimeoutError) as error:
+            place = "on this machine" if scheduler is None else f"at {scheduler}"
+            msg = f"no workers {place}: {str(error) or 'no answer'}"
             raise WorkerError(msg) from error
-        _check_versions(client.run(_versions))
+        _check_versions(client.run(_versions, on_error="return"))
         try:
             yield client.get_executor()
         except distributed.scheduler.KilledWorker as error:
@@ -84,10 +86,13 @@ def _versions() -> dict[str, str]:
     return {name: metadata.version(name) for name in PACKAGES}
 
 
-def _check_versions(workers: dict[str, dict[str, str]]) -> None:
-    """Raises WorkerError if workers have other versions than this process."""
+def _check_versions(workers: dict[str, dict[str, str] | Exception]) -> None:
+    """Raises WorkerError if workers have other versions than this process, or none."""
     here = _versions()
     for address, there in workers.items():
+        if isinstance(there, Exception):
+            msg = f"the worker at {address} has no mujoco-impact: {there}"
+            raise WorkerError(msg) from there
         for name, version in here.items():
             if there[name] != version:
                 msg = f"the worker at {address} has {name} {there[name]}, not {version}"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from mujoco_impact.comparison import OURS
-from mujoco_impact.sweeping.parameters import ITSELF, flattened
+from mujoco_impact.sweeping.parameters import ITSELF
 from mujoco_impact.sweeping.quantities import TEXT
 from mujoco_impact.sweeping.table import Row, shown
 from mujoco_impact.trajectory import Array
@@ -104,8 +104,8 @@ def _line_names(sweep: Sweep, across: str) -> list[str]:
     Those that were drawn do not, nor, beside a recorded number, others: they move along
     it. Nor do those of the most values, if there were too many lines.
     """
-    random = _random_names(sweep)
-    names = [name for name in _varied(sweep) if name not in (across, *random)]
+    drawn = sweep.specification.tables["random"]
+    names = [name for name in _varied(sweep) if name not in (across, *drawn)]
     if across not in _varied(sweep):
         texts = {column.name for column in sweep.columns if column.kind == TEXT}
         names = [name for name in names if name in texts]
@@ -121,13 +121,6 @@ def _varied(sweep: Sweep) -> tuple[str, ...]:
         for name in sweep.specification.varied
         if len(_numbered(sweep.rows, [name])) > 1
     )
-
-
-def _random_names(sweep: Sweep) -> set[str]:
-    """Returns the parameters that were drawn at random."""
-    tables = sweep.specification.tables
-    others = {name for key in ("grid", "list") for name in flattened(tables[key], "")}
-    return {name for name in sweep.specification.varied if name not in others}
 
 
 def _is_joined(sweep: Sweep, across: str, names: Sequence[str]) -> bool:

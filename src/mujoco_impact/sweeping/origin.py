@@ -5,15 +5,18 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 from typing import IO, Any
 
+import mujoco
+import numpy as np
+
 from mujoco_impact.errors import ImpactError, SweepError
 from mujoco_impact.files import quoted
 from mujoco_impact.source import read_spec
-from mujoco_impact.sweeping.parameters import SECTIONS
+from mujoco_impact.specifications import compile_spec
 from mujoco_impact.sweeping.scenes import source_of
 from mujoco_impact.sweeping.specification import Specification
 
@@ -37,7 +40,7 @@ def origin_of(spec: Specification) -> dict[str, Any]:
         **{
             f"{table}.{name}": value
             for table, values in spec.tables.items()
-            for name, value in _by_name(values).items()
+            for name, value in values.items()
         },
         "record": list(spec.record),
         "repeats": spec.repeats,
@@ -45,31 +48,38 @@ def origin_of(spec: Specification) -> dict[str, Any]:
     }
 
 
-def _by_name(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns what a table says, tables in it by names such as "scene.gap"."""
-    found: dict[str, Any] = {}
-    for key, value in table.items():
-        if key in SECTIONS:
-            found |= {f"{key}.{name}": one for name, one in value.items()}
-        else:
-            found[key] = value
-    return found
-
-
 def _digests(spec: Specification) -> dict[str, str]:
-    """Returns a hash of each model file, with what it includes, by its name."""
+    """Returns a hash of each model by its name, with all files that it reads."""
     found: dict[str, str] = {}
     for case in spec.cases:
         name = str(case.get("scene.model", ""))
         if not name or name in found:
             continue
         try:
-            xml = read_spec(source_of(case, spec.folder)).to_xml()
+            found[name] = _digest(read_spec(source_of(case, spec.folder)))
         except ImpactError as error:
             # its cases fail, too, and say so in their rows
-            xml = str(error)
-        found[name] = hashlib.sha256(xml.encode()).hexdigest()
+            found[name] = hashlib.sha256(str(error).encode()).hexdigest()
     return found
+
+
+def _digest(spec: mujoco.MjSpec) -> str:
+    """Returns a hash of a model; SceneError if it cannot be compiled.
+
+    The text tells all but what is in files of meshes and other data. That is in the
+    arrays of the compiled model. Where the files lie does not count.
+    """
+    digest = hashlib.sha256(spec.to_xml().encode())
+    model = compile_spec(spec)
+    for name in dir(model):
+        # private ones hold sizes, that of the paths, too
+        if name.startswith("_") or name.endswith("_pathadr"):
+            continue
+        array = getattr(model, name)
+        if isinstance(array, np.ndarray):
+            digest.update(f"{name} {array.shape}".encode())
+            digest.update(array.tobytes())
+    return digest.hexdigest()
 
 
 @contextlib.contextmanager
@@ -108,20 +118,38 @@ def claim(file: IO[str], rows: Path, spec: Specification) -> None:
         file.write(json.dumps(origin, indent=2) + "\n")
         file.flush()
         return
-    file.seek(0)
-    way = "write to another file, or throw these rows away and begin anew (--restart)"
-    try:
-        found: dict[str, Any] = dict(json.load(file))
-    except ValueError as error:
-        msg = f"{rows} is there, and {origin_path(rows).name} does not tell what it is"
-        raise SweepError(f"{msg}: {way}") from error
+    found = read_origin(file, rows)
     for name in dict.fromkeys([*found, *origin]):
         before, now = found.get(name), origin.get(name)
         # as text: 1 and 1.0 look different in a row
         if json.dumps(before) != json.dumps(now):
             told = f"{name} was {_told(before)}, and is {_told(now)}"
-            msg = f"the rows in {rows} are those of another sweep: {told}; {way}"
+            msg = (
+                f"the rows in {rows} are those of another sweep: {told}; write to "
+                "another file, or throw these rows away and begin anew (--restart)"
+            )
             raise SweepError(msg)
+
+
+def read_origin(file: IO[str], rows: Path) -> dict[str, Any]:
+    """Returns what stands beside rows, and tells which sweep they are of.
+
+    Args:
+        file: Where it stands.
+        rows: File or folder of the rows.
+
+    Raises:
+        SweepError: If it does not tell.
+    """
+    file.seek(0)
+    try:
+        return dict(json.load(file))
+    except (TypeError, ValueError) as error:
+        msg = (
+            f"{rows} is there, and {origin_path(rows).name} does not tell what it is: "
+            "write to another file, or take it away"
+        )
+        raise SweepError(msg) from error
 
 
 def _told(value: Any) -> str:

@@ -94,15 +94,18 @@ def methods() -> tuple[str, ...]:
     return (OURS, *(method.name for method in tuned))
 
 
-def flattened(table: Mapping[str, Any], where: str) -> dict[str, Any]:
+def flattened(
+    table: Mapping[str, Any], where: str, *, also: Sequence[str] = ()
+) -> dict[str, Any]:
     """Returns what a table of the specification says of each parameter.
 
     Args:
         table: The table; those of `SECTIONS` in it may be tables themselves.
         where: What the table is called, for messages.
+        also: What else may stand in it.
 
     Raises:
-        ConfigError: If a parameter has a name that there is not.
+        ConfigError: If a parameter has a name that there is not, or is given twice.
     """
     found: dict[str, Any] = {}
     for key, value in table.items():
@@ -112,11 +115,15 @@ def flattened(table: Mapping[str, Any], where: str) -> dict[str, Any]:
                     f"{where}{key} = {quoted(value)}: must be a table, {SECTIONS[key]}"
                 )
                 raise ConfigError(msg)
-            found |= {f"{key}.{name}": one for name, one in value.items()}
+            named = {f"{key}.{name}": one for name, one in value.items()}
         else:
-            found[key] = value
-    for name in found:
-        _check_name(name, where)
+            named = {key: value}
+        for name, one in named.items():
+            if name in found:
+                raise ConfigError(f"{where}{name} is given twice: give it once")
+            if name not in also:
+                _check_name(name, where)
+            found[name] = one
     return found
 
 

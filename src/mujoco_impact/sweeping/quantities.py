@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -36,6 +36,7 @@ class Outcome:
         result: What was measured of its motion.
         first: The first impact of our motion.
         bodies: Names of its bodies.
+        geoms: Names of the geoms of the scene.
         scale: The largest energy of motion of ours [J].
         speed: Closing speed of the first impact [m/s].
     """
@@ -44,6 +45,7 @@ class Outcome:
     result: MethodResult
     first: FirstImpact
     bodies: tuple[str, ...]
+    geoms: frozenset[str]
     scale: float
     speed: float
 
@@ -88,9 +90,9 @@ def _energy_change(outcome: Outcome) -> Recorded:
 def _impulse(outcome: Outcome, pair: frozenset[str] | None = None) -> Recorded:
     """Returns the normal impulses of the first impact [N s], of a pair or of all.
 
-    MuJoCo's contacts do not tell theirs.
+    MuJoCo's contacts do not tell theirs, and a scene may not have the pair.
     """
-    if outcome.result.name != OURS:
+    if outcome.result.name != OURS or not outcome.geoms.issuperset(pair or ()):
         return None
     return float(
         sum(
@@ -166,9 +168,25 @@ def check_recorded(name: Any) -> None:
         known = [*QUANTITIES, *(f"{one}.{form}" for one, form in _PARTS.items())]
         msg = f"record: there is no {quoted(name)}{closest(str(name), known)}"
         raise ConfigError(msg)
-    if quantity == "impulse" and dot and len(part.split("+")) != 2:
+    if quantity == "impulse" and dot and len({*part.split("+")}) != 2:
         msg = f"record: {name!r}: must be impulse.GEOM+GEOM, two geoms that meet"
         raise ConfigError(msg)
+
+
+def check_parts(name: str, geoms: Sequence[str], bodies: Sequence[str]) -> None:
+    """Raises ConfigError if something is recorded of what a scene does not have.
+
+    Args:
+        name: What to record.
+        geoms: Names of the geoms of the scene.
+        bodies: Names of its bodies that can move.
+    """
+    quantity, _, part = name.partition(".")
+    kind, known = ("geom", geoms) if quantity == "impulse" else ("moving body", bodies)
+    for one in part.split("+") if quantity == "impulse" else [part]:
+        if part and one not in known:
+            msg = f"record: {name!r}: the scene has no {kind} {one!r}"
+            raise ConfigError(msg + closest(one, known))
 
 
 def needs(record: tuple[str, ...]) -> set[str]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import csv
 import io
 import os
-import shutil
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -28,6 +27,8 @@ PART_SECONDS = 0.5
 """How long rows wait for the next such writing, at most, if others follow [s]."""
 
 _ENDINGS = (".csv", ".parquet")
+_HALF = ".*.parquet"
+"""Files of a folder whose writing was interrupted."""
 
 
 class RowsFile(Protocol):
@@ -43,7 +44,7 @@ class RowsFile(Protocol):
         """Ends writing; every row is there."""
 
     def remove(self) -> None:
-        """Throws the rows away."""
+        """Throws the rows away that are there."""
 
 
 def rows_file(path: Path, columns: Sequence[Column]) -> RowsFile:
@@ -113,7 +114,7 @@ class CsvFile:
 
     def remove(self) -> None:
         """Throws the rows away."""
-        self._path.unlink(missing_ok=True)
+        self._path.unlink()
 
 
 def _line(cells: Sequence[str]) -> bytes:
@@ -147,7 +148,7 @@ class ParquetFolder:
         """Returns the rows that are there; what is half a file is deleted."""
         if not self._folder.exists():
             return []
-        for left in self._folder.glob(".*.parquet"):
+        for left in self._folder.glob(_HALF):
             left.unlink()
         rows: list[Row] = []
         while (part := self._part(len(rows) // PART_ROWS)).exists():
@@ -204,6 +205,12 @@ class ParquetFolder:
             self._write()
 
     def remove(self) -> None:
-        """Throws the rows away."""
-        if self._folder.exists():
-            shutil.rmtree(self._folder)
+        """Throws the rows away; SweepError if something else is with them."""
+        ours = {*self._folder.glob("part-*.parquet"), *self._folder.glob(_HALF)}
+        for file in self._folder.iterdir():
+            if file not in ours:
+                msg = f"{file} is no file of rows: write to another folder, or take "
+                raise SweepError(msg + "it away")
+        for file in ours:
+            file.unlink()
+        self._folder.rmdir()

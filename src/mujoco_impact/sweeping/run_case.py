@@ -9,11 +9,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import mujoco
+
 from mujoco_impact.baselines import Method, baselines
 from mujoco_impact.comparing.compare import interleaved_times
 from mujoco_impact.comparing.judge import Judge
 from mujoco_impact.comparison import OURS, MethodResult
 from mujoco_impact.errors import ImpactWarning
+from mujoco_impact.pulses import geom_name
 from mujoco_impact.remarks import QUIET
 from mujoco_impact.runner import initial_data, load_model, run, step_count
 from mujoco_impact.sweeping.parameters import ITSELF, Value
@@ -121,6 +124,7 @@ def _measured(
         result=results[-1],
         first=comparison.first,
         bodies=comparison.bodies,
+        geoms=frozenset(_geoms(comparison.model)),
         scale=comparison.energy_scale,
         speed=judge.speed,
     )
@@ -143,8 +147,8 @@ def _run_time(scene: CaseScene, method: Method) -> float:
     return float(times[0, 0]) / scene.duration
 
 
-def moving_bodies(case: Mapping[str, Any], folder: Path) -> list[str]:
-    """Returns the names of the bodies of a scene that can move.
+def names_in(case: Mapping[str, Any], folder: Path) -> tuple[list[str], list[str]]:
+    """Returns the names of the geoms of a scene, and of its bodies that can move.
 
     The scene is made whole, so that what does not fit it is told before anything runs.
 
@@ -152,8 +156,14 @@ def moving_bodies(case: Mapping[str, Any], folder: Path) -> list[str]:
         ImpactError: If there is no such scene, or it does not take a value.
     """
     model = load_model(scene_of(case, folder).attached)
-    return [
+    bodies = [
         model.body(body).name or f"body {body}"
         for body in range(1, model.nbody)
         if model.body_weldid[body] != 0
     ]
+    return _geoms(model), bodies
+
+
+def _geoms(model: mujoco.MjModel) -> list[str]:
+    """Returns the names of the geoms of a scene, as impacts call them."""
+    return [geom_name(model, geom) for geom in range(model.ngeom)]

@@ -126,7 +126,6 @@ def _start(spec: mujoco.MjSpec, case: Mapping[str, Value]) -> dict[str, Any]:
     keys = [key.name for key in spec.keys]
     keyframe: Any = settled(keys, case.get("keyframe"))  # type: ignore[arg-type]
     data = initial_data(model, keyframe=keyframe)
-    data.qvel[:] *= case["speed_factor"]
     widths = {
         mujoco.mjtJoint.mjJNT_FREE: (7, 6),
         mujoco.mjtJoint.mjJNT_BALL: (4, 3),
@@ -147,6 +146,7 @@ def _start(spec: mujoco.MjSpec, case: Mapping[str, Value]) -> dict[str, Any]:
                 raise ConfigError(msg)
             begin = int(addresses[joint])
             getattr(data, state)[begin : begin + width] = numbers
+    data.qvel[:] *= case["speed_factor"]
     # the keyframe, too: it may set more than the state
     return {
         "keyframe": keyframe,

@@ -13,6 +13,7 @@ from mujoco_impact.comparison import OURS
 from mujoco_impact.errors import ConfigError
 from mujoco_impact.files import quoted, read_text
 from mujoco_impact.sweeping.cases import (
+    NUMBERS,
     Values,
     combined,
     grid_cases,
@@ -43,6 +44,9 @@ Given: TypeAlias = str | os.PathLike[str] | Mapping[str, Any]
 MOST_REPEATS = 10_000
 """Most repeats of a case."""
 
+MOST_ROWS = 1_000_000
+"""Most rows of a sweep, which are held in memory: cases times repeats."""
+
 _TABLES = ("grid", "list", "random", "plot")
 _KEYS = ("record", "repeats", *_TABLES, *SINGLE, *SECTIONS)
 _PLOT = ("x", "y", "title")
@@ -55,7 +59,8 @@ class Specification:
 
     Attributes:
         fixed: Parameters that all cases share.
-        tables: The tables `grid`, `list` and `random` as they were given.
+        tables: What the tables `grid`, `list` and `random` say of each parameter;
+            that of `random` has `cases` and `seed`, too.
         varied: Names of the parameters that cases do not share, in order.
         cases: All parameters of each case.
         record: What to record of each, see `quantities.QUANTITIES`.
@@ -111,8 +116,12 @@ def _checked(document: Mapping[str, Any], folder: Path) -> Specification:
         if key.partition(".")[0] not in _KEYS:
             known = [*_KEYS, *(f"attach.{one}" for one in ATTACH)]
             raise ConfigError(f"there is no key {key!r}{closest(key, known)}")
-    tables = {name: _table(document, name) for name in _TABLES}
-    plot = tables.pop("plot")
+    tables = {
+        "random": flattened(_table(document, "random"), "random.", also=NUMBERS),
+        "grid": flattened(_table(document, "grid"), "grid."),
+        "list": flattened(_table(document, "list"), "list."),
+    }
+    plot = _table(document, "plot")
     given = {
         key: value
         for key, value in document.items()
@@ -129,6 +138,10 @@ def _checked(document: Mapping[str, Any], folder: Path) -> Specification:
     _check_once(fixed, groups)
     cases = [_DEFAULTS | fixed | case for case in combined(*groups.values())]
     _check_scenes(cases)
+    repeats = _repeats(document.get("repeats", 1))
+    if (rows := len(cases) * repeats) > MOST_ROWS:
+        msg = f"repeats = {repeats}: {len(cases)} cases have {rows} rows"
+        raise ConfigError(f"{msg}, allowed: {MOST_ROWS}")
     varied = tuple(name for group in groups.values() for name in group[0])
     return Specification(
         fixed=fixed,
@@ -136,7 +149,7 @@ def _checked(document: Mapping[str, Any], folder: Path) -> Specification:
         varied=varied,
         cases=tuple(cases),
         record=_record(document.get("record")),
-        repeats=_repeats(document.get("repeats", 1)),
+        repeats=repeats,
         plot=_plot(plot),
         folder=folder,
     )

@@ -11,13 +11,14 @@ from concurrent.futures import Executor
 from pathlib import Path
 
 from mujoco_impact.errors import SweepError, SweepInterrupted
-from mujoco_impact.executors import in_order
-from mujoco_impact.sweeping.origin import claim, locked
+from mujoco_impact.executors import check_workers, in_order
+from mujoco_impact.sweeping.origin import claim, locked, read_origin
+from mujoco_impact.sweeping.quantities import check_parts
 from mujoco_impact.sweeping.rows_file import RowsFile, rows_file
 from mujoco_impact.sweeping.run_case import (
     ERROR,
     REMARKS,
-    moving_bodies,
+    names_in,
     run_case,
 )
 from mujoco_impact.sweeping.specification import (
@@ -109,17 +110,19 @@ def sweep(
             `concurrent.futures.Executor`. By default processes of this machine.
         processes: Number of processes of this machine, instead of an executor; 1 runs
             the cases in this process. By default one for each processor.
-        restart: Whether to throw away the rows that are there.
+        restart: Whether to throw away the rows that are there, if a sweep wrote them.
         progress: Called with the number of rows there are, and will be.
 
     Raises:
         ConfigError: If something in the specification is not valid; names the key, its
-            value and what is allowed.
+            value and what is allowed. If both `executor` and `processes` are given, or
+            one is not valid.
         SceneError: If the first case has no scene.
-        SweepError: If there are rows of another specification.
+        SweepError: If there are rows of another specification, or what no sweep wrote.
         WorkerError: If workers are lost again and again; the rows until then are there.
         SweepInterrupted: On Ctrl-C; the rows until then are there.
     """
+    check_workers(executor, processes)
     spec = _with_bodies(read_specification(specification))
     rows = _Rows(spec, progress)
     if out is None:
@@ -130,7 +133,9 @@ def sweep(
         raise SweepError(f"cannot write {path}: there is no folder {path.parent}")
     file = rows_file(path, rows.columns)
     with locked(path) as origin, contextlib.closing(file):
-        if restart:
+        if restart and path.exists():
+            # of what is not ours nothing is thrown away
+            read_origin(origin, path)
             file.remove()
         claim(origin, path, spec)
         rows.take(file.read(), path)
@@ -199,11 +204,12 @@ def _with_bodies(spec: Specification) -> Specification:
     """Returns a specification in which velocities are asked for of each body by name.
 
     Makes the scene of the first case, so that what does not fit it is told before
-    anything runs.
+    anything runs: what is recorded of a geom or a body, too.
     """
-    bodies = moving_bodies(spec.cases[0], spec.folder)
+    geoms, bodies = names_in(spec.cases[0], spec.folder)
     record: list[str] = []
     for name in spec.record:
+        check_parts(name, geoms, bodies)
         if name == "velocity_after":
             record += [f"{name}.{body}" for body in bodies]
         else:
