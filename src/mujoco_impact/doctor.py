@@ -22,8 +22,17 @@ VELOCITY_TOLERANCE = 1e-5
 IMPACT_SPEED = 1.0
 """Speed of the known answers [m/s]."""
 
-OPTIONAL = ("dm_control", "matplotlib", "rich", "scipy", "typer")
-"""Packages that some commands need; listed, not required."""
+OPTIONAL = (
+    "bokeh",
+    "distributed",
+    "dm_control",
+    "gymnasium",
+    "imageio",
+    "matplotlib",
+    "mujoco-warp",
+    "pyarrow",
+)
+"""Packages of the extras: listed, not required."""
 
 TWO_BALLS = """
 <mujoco model="two_balls">
