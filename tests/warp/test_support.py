@@ -1,11 +1,14 @@
 """What impacts on Warp do not support is refused by name, before anything is put."""
 
+import ctypes
+
 import mujoco
 import pytest
 
 import cradle_models
 import mujoco_impact
 from mujoco_impact import warp
+from mujoco_impact.warp.settings import _Layout
 
 SCENE = """<mujoco>
   <option timestep=".002" {option}/>
@@ -129,6 +132,16 @@ def test_numbers_that_are_not_valid():
     model = mujoco_impact.attach(scene()).compile()
     with pytest.raises(mujoco_impact.errors.SceneError, match="nworld = 0"):
         warp.put_impacts(model, nworld=0)
+
+
+def test_a_plugin_whose_settings_have_another_layout_is_refused(monkeypatch):
+    class Longer(_Layout):
+        _fields_ = (("later", ctypes.c_double),)
+
+    monkeypatch.setattr("mujoco_impact.warp.settings._Layout", Longer)
+    model = mujoco_impact.attach(scene()).compile()
+    with pytest.raises(mujoco_impact.errors.PluginError, match="not 64 bytes"):
+        warp.put_impacts(model)
 
 
 def test_what_is_supported_is_taken():

@@ -3,6 +3,8 @@
 // same impacts (src/mujoco_impact/warp/): attributes are parsed, and have their defaults, in
 // config.cc alone.
 
+#include <cstddef>
+
 #include "engine/scene/config.h"
 #include "engine/scene/ownership.h"
 
@@ -16,8 +18,11 @@ struct SettingsForOthers {
   int hertz, bistiffness, instant, passive, frictionless, plain;
 };
 
-extern "C" __attribute__((visibility("default"))) void mujoco_impact_settings(
-    const mjModel* m, int instance, SettingsForOthers* settings) {
+// Writes the settings of an instance and returns 1. Where the structure of the caller is not of our
+// size, it writes nothing and returns 0.
+extern "C" __attribute__((visibility("default"))) int mujoco_impact_settings(
+    const mjModel* m, int instance, SettingsForOthers* settings, size_t size) {
+  if (size != sizeof *settings) return 0;
   const Config config = ReadConfig(m, instance, Ownership(m, instance).size(), nullptr);
   *settings = {config.restitution,
                config.effective_modulus,
@@ -29,6 +34,7 @@ extern "C" __attribute__((visibility("default"))) void mujoco_impact_settings(
                config.passive,
                config.friction == Friction::kNone,
                config.materials[0] == '\0' && config.material_pairs[0] == '\0'};
+  return 1;
 }
 
 }  // namespace mujoco_impact::engine

@@ -10,7 +10,7 @@ from typing import Any
 import mujoco
 
 from mujoco_impact._plugin import load, plugin_path
-from mujoco_impact.errors import SceneError
+from mujoco_impact.errors import PluginError, SceneError
 
 _NUMBERS = ("restitution", "effective_modulus", "touch", "tolerance")
 _FLAGS = ("hertz", "bistiffness", "instant", "passive", "frictionless", "plain")
@@ -52,9 +52,16 @@ def read_settings(model: mujoco.MjModel, instance: int) -> Settings:
 
     Raises:
         SceneError: If one is not supported on Warp.
+        PluginError: If the library of the plugin is of another version.
     """
     layout = _Layout()
-    _function()(model._address, instance, ctypes.byref(layout))
+    size = ctypes.sizeof(layout)
+    if not _function()(model._address, instance, ctypes.byref(layout), size):
+        msg = (
+            f"{plugin_path()} is of another version than mujoco_impact.warp: its "
+            f"settings are not {size} bytes; build the two from the same sources"
+        )
+        raise PluginError(msg)
     refused = {
         "law = 'calibrated'": not layout.hertz,
         "dissipation = 'viscous'": not layout.bistiffness,
@@ -84,6 +91,11 @@ def _function() -> Any:
     """Returns the function of the plugin library."""
     load()
     function = ctypes.CDLL(str(plugin_path())).mujoco_impact_settings
-    function.argtypes = (ctypes.c_void_p, ctypes.c_int, ctypes.POINTER(_Layout))
-    function.restype = None
+    function.argtypes = (
+        ctypes.c_void_p,
+        ctypes.c_int,
+        ctypes.POINTER(_Layout),
+        ctypes.c_size_t,
+    )
+    function.restype = ctypes.c_int
     return function
