@@ -94,9 +94,51 @@ def test_model_data_and_impacts_must_belong_together(model):
     plain = mujoco_warp.put_model(mujoco_impact.detach(TABLE).compile())
     with pytest.raises(mujoco_impact.ImpactError, match="not one of mujoco_impact"):
         warp.step(plain, worlds.d, worlds.impacts)
-    heavy = warp.put_model(model, batch_sizes={"body_mass": 3})
-    with pytest.raises(mujoco_impact.ImpactError, match="body_mass"):
-        warp.step(heavy, worlds.d, worlds.impacts)
+
+
+def test_impacts_of_another_model_of_the_same_size_are_refused(model):
+    worlds = struck(model)
+    scene = cradle_models.model_path("row_3")
+    softer = mujoco_impact.attach(scene, restitution=0.5).compile()
+    others = warp.put_impacts(softer, nworld=3)
+    with pytest.raises(mujoco_impact.ImpactError, match="of another model"):
+        warp.step(worlds.m, worlds.d, others)
+    same = mujoco_impact.attach(scene, restitution=0.9).compile()
+    warp.step(worlds.m, worlds.d, warp.put_impacts(same, nworld=3))
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "body_inertia",
+        "body_mass",
+        "body_subtreemass",
+        "dof_frictionloss",
+        "geom_friction",
+        "geom_gap",
+        "geom_quat",
+        "jnt_range",
+        "qpos0",
+    ],
+)
+def test_values_of_the_model_that_differ_by_world_are_refused(model, name):
+    worlds = struck(model)
+    m = warp.put_model(model, batch_sizes={name: 3})
+    with pytest.raises(
+        mujoco_impact.ImpactError, match=f"{name} that differs by world"
+    ):
+        warp.step(m, worlds.d, worlds.impacts)
+
+
+def test_looks_the_solver_and_options_may_differ_by_world(model):
+    worlds = struck(model)
+    names = ("geom_rgba", "geom_solref", "cam_fovy", "body_invweight0")
+    m = warp.put_model(model, batch_sizes=dict.fromkeys(names, 3))
+    m.opt.timestep = wp.array([0.001, 0.002, 0.003], dtype=float)
+    # [m/s²] none in the last world, whose resting balls stay as they are
+    m.opt.gravity = wp.array([[0, 0, -9.81], [0, 0, -9.81], [0, 0, 0]], dtype=wp.vec3)
+    warp.step(m, worlds.d, worlds.impacts)
+    assert worlds.impacts.impact_count.tolist() == [0, 1, 0]
 
 
 def test_the_sensor_reads_no_number_that_could_be_taken_for_one(model):

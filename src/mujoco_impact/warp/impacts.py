@@ -12,7 +12,7 @@ import warp as wp
 from mujoco_impact.errors import SceneError, SimulationError
 from mujoco_impact.pulses import plugin_instances
 from mujoco_impact.warp import memory, resolve
-from mujoco_impact.warp.scene import Scene, read_scene
+from mujoco_impact.warp.scene import Scene, fingerprint, read_scene
 
 LAW_STEPS = 20_000
 """Steps of the law that the impacts of one step of a world may take."""
@@ -32,6 +32,7 @@ class Impacts:
     Attributes:
         nworld: Number of worlds.
         contacts: Contacts that one impact of a world may have.
+        fingerprint: Of the model, see `mujoco_impact.warp.scene.fingerprint`.
         bytes_per_world: Memory on the device for each world [B].
     """
 
@@ -48,12 +49,14 @@ class Impacts:
         self.nworld = nworld
         self.contacts = contacts
         self.law_steps = law_steps
-        self.size = (int(model.nq), int(model.nv))
+        self.fingerprint = fingerprint(model)
         self.bodies = memory.put_bodies(model, scene, device)
         self.pairs = memory.put_pairs(scene, device)
         self.paths = memory.make(memory.Paths, len(scene.bodies), nworld, device)
         self.rows = memory.make(memory.Contacts, contacts, nworld, device)
-        self.world = memory.make_world(len(scene.pairs), *self.size, nworld, device)
+        self.world = memory.make_world(
+            len(scene.pairs), int(model.nq), int(model.nv), nworld, device
+        )
         of_worlds = memory.size_in_bytes(
             Paths=self.paths, Contacts=self.rows, World=self.world
         )

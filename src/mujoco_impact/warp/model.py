@@ -12,10 +12,10 @@ import numpy as np
 
 from mujoco_impact.errors import SceneError
 from mujoco_impact.pulses import plugin_instances
-from mujoco_impact.warp.scene import read_scene
+from mujoco_impact.warp.scene import fingerprint, read_scene
 
 OURS = "impacts_are_ours"
-"""Attribute that tells such a model of MuJoCo Warp."""
+"""Attribute that tells such a model of MuJoCo Warp: the fingerprint of MuJoCo's."""
 
 _step = mujoco_warp.step
 _put_model = getattr(mujoco_warp.put_model, "__wrapped__", mujoco_warp.put_model)
@@ -41,7 +41,7 @@ def put_model(model: mujoco.MjModel, **options: Any) -> Any:
     """
     read_scene(model)
     put = _put_model(_without_plugin(model), **options)
-    setattr(put, OURS, True)
+    setattr(put, OURS, fingerprint(model))
     return put
 
 

@@ -6,6 +6,7 @@ do not support is refused here, by name (support.py).
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, field
 
 import mujoco
@@ -126,6 +127,13 @@ def read_scene(model: mujoco.MjModel) -> Scene:
         if instance is not None
     )
     return Scene(bodies, pairs)
+
+
+def fingerprint(model: mujoco.MjModel) -> str:
+    """Returns what tells a model, with all its values, of every other."""
+    content = np.empty(mujoco.mj_sizeModel(model), np.uint8)
+    mujoco.mj_saveModel(model, None, content)
+    return hashlib.sha256(content.tobytes()).hexdigest()
 
 
 def _owners(model: mujoco.MjModel, instances: list[int]) -> dict[int, int]:

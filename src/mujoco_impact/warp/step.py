@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
+import mujoco_warp
 import warp as wp
 from mujoco_warp import step1, step2
 
@@ -13,22 +15,32 @@ from mujoco_impact.warp.model import OURS
 from mujoco_impact.warp.resolve import resolve
 from mujoco_impact.warp.silence import silence
 
-_ALIKE = (
-    "qpos0",
-    "body_mass",
-    "body_pos",
-    "body_quat",
-    "body_ipos",
-    "geom_pos",
-    "geom_size",
-    "geom_margin",
-    "jnt_axis",
-    "jnt_pos",
-    "jnt_stiffness",
-    "dof_armature",
-    "dof_damping",
+_LOOKS = ("cam_", "light_", "mat_", "geom_matid", "geom_rgba")
+
+_SOLVER = (
+    "body_invweight0",
+    "dof_invweight0",
+    "dof_solimp",
+    "dof_solref",
+    "geom_solimp",
+    "geom_solmix",
+    "geom_solref",
+    "jnt_solimp",
+    "jnt_solref",
 )
-"""What of the model all worlds must share."""
+
+_ALIKE = tuple(
+    field.name
+    for field in dataclasses.fields(mujoco_warp.Model)
+    if getattr(field.type, "shape", ())[:1] == ("*",)
+    and not field.name.startswith(_LOOKS)
+    and field.name not in _SOLVER
+)
+"""What of the model all worlds must share: all but looks and MuJoCo's solver.
+
+Tables of `Impacts` are of one world, and `support` has seen one. Options may differ:
+the kernels read the timestep and gravity of each world.
+"""
 
 
 def step(m: Any, d: Any, impacts: Impacts) -> None:
@@ -111,10 +123,18 @@ def _check(m: Any, d: Any, impacts: Impacts) -> None:
             "impacts to mujoco_impact"
         )
         raise SceneError(msg)
-    if (m.nq, m.nv) != impacts.size or d.nworld != impacts.nworld:
+    if getattr(m, OURS) != impacts.fingerprint:
         msg = (
-            f"impacts are of {impacts.nworld} worlds with nq, nv = {impacts.size}, but "
-            f"the data is of {d.nworld} with {(m.nq, m.nv)}"
+            "the impacts are of another model, or of this before a change of it: put "
+            "the model and the impacts anew, of one mujoco.MjModel"
+        )
+        raise SceneError(msg)
+    ours = (impacts.nworld, impacts.world.qpos.shape[1], impacts.world.qvel.shape[1])
+    theirs = (d.nworld, d.qpos.shape[1], d.qvel.shape[1])
+    if theirs != ours:
+        msg = (
+            f"impacts are of {ours[0]} worlds with nq, nv = {ours[1:]}, but the data "
+            f"is of {theirs[0]} with {theirs[1:]}"
         )
         raise SceneError(msg)
     for name in _ALIKE:
