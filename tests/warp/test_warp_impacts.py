@@ -133,6 +133,22 @@ def test_springs_and_dampers_act_on_as_with_the_plugin(integrator):
     assert worlds.impacts.impact_count[0] >= 2
 
 
+def test_a_world_without_gravity_rests_as_a_model_without_gravity():
+    # two balls that a spring presses on each other, across gravity
+    scene = SPRINGS.replace("<joint/>", '<joint springref=".2"/>', 1)
+    down = scene.replace('gravity="0 0 0"', 'gravity="0 0 -9.81"')
+    worlds = [
+        Worlds(mujoco_impact.attach(xml, restitution=0.5).compile(), qvel=np.zeros(3))
+        for xml in (scene, down)
+    ]
+    worlds[1].m.opt.gravity.zero_()
+    for of_model in worlds:
+        of_model.step(300)
+    none, zeroed = worlds
+    assert zeroed.impacts.impact_count[0] == none.impacts.impact_count[0] > 2
+    np.testing.assert_array_equal(zeroed.qpos, none.qpos)
+
+
 def test_each_instance_has_its_own_restitution():
     # b meets nothing, and the others only the table
     scene = mujoco.MjSpec.from_string(TABLE)

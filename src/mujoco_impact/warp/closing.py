@@ -35,6 +35,15 @@ _NEWTON_STEPS = wp.constant(20)
 
 
 @wp.func
+def resting_gravity(g: wp.vec3, without: float) -> float:
+    """|g| of a world, or `without` where there is none (plugin/engine/path/rest.cc)."""
+    gravity = wp.length(g)
+    if gravity == 0.0:
+        return without
+    return gravity
+
+
+@wp.func
 def largest_rest_speed(h: float, pressing_gravity: float) -> float:
     """The largest u_rest of a contact that MuJoCo does not carry: 2 h · 1.5 g."""
     return 3.0 * h * pressing_gravity

@@ -62,7 +62,7 @@ class Impacts:
         )
         self.bytes_per_world = of_worlds / nworld
         self.weightless = int(_is_disabled(model, mujoco.mjtDisableBit.mjDSBL_GRAVITY))
-        self.pressing_gravity = _pressing_gravity(model, bool(self.weightless))
+        self.pressing_gravity = _pressing_gravity(model)
         self.implicit = int(_damps_implicitly(model))
         self.sensor = wp.array(_sensor_places(model), dtype=int, device=device)
         self.flags = wp.zeros(1, dtype=int, device=device)
@@ -171,11 +171,10 @@ def _is_disabled(model: mujoco.MjModel, bit: Any) -> bool:
     return bool(model.opt.disableflags & bit)
 
 
-def _pressing_gravity(model: mujoco.MjModel, weightless: bool) -> float:
-    """Returns the gravity of rest where there is none, but something may press."""
-    gravity = 0.0 if weightless else float(np.linalg.norm(model.opt.gravity))
+def _pressing_gravity(model: mujoco.MjModel) -> float:
+    """Returns the gravity of rest in worlds without gravity: 0 if nothing presses."""
     presses = model.nu > 0 or model.ntendon > 0 or bool(np.any(model.jnt_stiffness))
-    return _EARTH if gravity == 0.0 and presses else 0.0
+    return _EARTH if presses else 0.0
 
 
 def _damps_implicitly(model: mujoco.MjModel) -> bool:

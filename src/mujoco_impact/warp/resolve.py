@@ -2,7 +2,7 @@
 
 import warp as wp
 
-from mujoco_impact.warp.closing import NEVER, closing_time
+from mujoco_impact.warp.closing import NEVER, closing_time, resting_gravity
 from mujoco_impact.warp.deliver import (
     add_impulses,
     commit,
@@ -74,7 +74,7 @@ def resolve(
     g = gravity[w % gravity.shape[0]]
     if weightless == 1:
         g = wp.vec3(0.0)
-    pressing = wp.max(pressing_gravity, wp.length(g))
+    pressing = resting_gravity(g, pressing_gravity)
     count = pairs.first.shape[0]
     for x in range(bodies.kind.shape[0]):
         begin_path(bodies, paths, x, w, world.qpos, world.qvel, qvel, h, g)

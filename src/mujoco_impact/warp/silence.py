@@ -7,7 +7,7 @@ no weight exerts no force.
 
 import warp as wp
 
-from mujoco_impact.warp.closing import carried_rest_speed
+from mujoco_impact.warp.closing import carried_rest_speed, resting_gravity
 from mujoco_impact.warp.memory import Bodies
 from mujoco_impact.warp.path import displacement, of_joint, to_world
 
@@ -40,9 +40,10 @@ def silence(
         return
     w = world_of[i]
     h = timestep[w % timestep.shape[0]]
-    pressing = float(pressing_gravity)
-    if weightless == 0:
-        pressing = wp.max(pressing, wp.length(gravity[w % gravity.shape[0]]))
+    g = gravity[w % gravity.shape[0]]
+    if weightless == 1:
+        g = wp.vec3(0.0)
+    pressing = resting_gravity(g, pressing_gravity)
     rate = float(0.0)
     for side in range(2):
         x = bodies.of_geom[geoms[i][side]]
