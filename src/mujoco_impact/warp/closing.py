@@ -111,6 +111,39 @@ def nearest_gap(
 
 
 @wp.func
+def touching_time(
+    bodies: Bodies,
+    pairs: Pairs,
+    paths: Paths,
+    p: int,
+    w: int,
+    start: float,
+    at_start: Sight,
+    begin: float,
+    late: float,
+    h: float,
+) -> float:
+    """When the gap is zero, by Newton's method; where it left the step if it did."""
+    t = float(start)
+    sight = Sight()
+    sight = at_start
+    going = bool(True)
+    step = int(0)
+    while going and step < _NEWTON_STEPS:
+        if sight.rate >= 0.0:
+            going = False
+        else:
+            change = -sight.gap / sight.rate
+            t += change
+            step += 1
+            if wp.abs(change) < 1.0e-7 * h or t < begin - late or t > begin + 2.0 * h:
+                going = False
+            else:
+                sight = look_at(bodies, pairs, paths, p, w, t)
+    return t
+
+
+@wp.func
 def closing_time(
     bodies: Bodies,
     pairs: Pairs,
@@ -152,19 +185,7 @@ def closing_time(
     sight = at_begin
     if t == h:
         sight = at_end
-    going = bool(True)
-    step = int(0)
-    while going and step < _NEWTON_STEPS:
-        if sight.rate >= 0.0:
-            going = False
-        else:
-            change = -sight.gap / sight.rate
-            t += change
-            step += 1
-            if wp.abs(change) < 1.0e-7 * h or t < begin - late or t > begin + 2.0 * h:
-                going = False
-            else:
-                sight = look_at(bodies, pairs, paths, p, w, t)
+    t = touching_time(bodies, pairs, paths, p, w, t, sight, begin, late, h)
     # an overlap that this speed cannot have made was there before: it closes now
     if t < begin - late:
         t = begin

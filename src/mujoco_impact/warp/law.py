@@ -14,7 +14,7 @@ from mujoco_impact.warp.clock import (
     is_over,
     leave_late,
 )
-from mujoco_impact.warp.hertz import measure, solve_single
+from mujoco_impact.warp.hertz import Scale, measure, solve_single
 from mujoco_impact.warp.memory import Contacts
 from mujoco_impact.warp.nystrom import (
     SPEED_FLOOR,
@@ -35,6 +35,15 @@ class Span:
     time: float  # [s]
     steps: int
     ended: bool
+
+
+@wp.struct
+class Progress:
+    """How far the impact is integrated."""
+
+    t: float  # since it began [s]
+    h: float  # the step to try next [s]
+    turns: int  # steps in a row that were cut short where y turns
 
 
 @wp.func
@@ -81,6 +90,58 @@ def collide_alone(z: Contacts, w: int, n: int, k: int, t: float) -> float:
 
 
 @wp.func
+def begin(z: Contacts, w: int, n: int) -> bool:
+    """Puts the state when the impact begins; returns whether no contact has losses."""
+    lossless = bool(True)
+    for k in range(n):
+        z.y[k, w] = -z.gap[k, w]
+        z.c[k, w] = z.closing[k, w]
+        z.rate[k, w] = 1.0
+        z.P[k, w] = 0.0
+        z.M[k, w] = 0.0
+        z.onset[k, w] = 0.0
+        if z.e[k, w] < 1.0:
+            lossless = False
+    return lossless
+
+
+@wp.func
+def advance(
+    z: Contacts,
+    w: int,
+    n: int,
+    now: Progress,
+    scale: Scale,
+    tolerance: float,
+    lossless: bool,
+) -> Progress:
+    """Tries a step of h: takes it, or shortens h for the error or to where y turns."""
+    after = Progress()
+    after.t = now.t
+    after.h = now.h
+    after.turns = now.turns
+    error = try_step(z, w, n, now.h, scale, tolerance)
+    growth = wp.clamp(0.9 / wp.sqrt(wp.sqrt(error + 1.0e-10)), 0.2, 5.0)
+    if error > 1.0:
+        after.h = now.h * growth
+        return after
+    # two secant steps put the turn within the speed floor
+    if not lossless and now.turns < 3:
+        fraction = fraction_to_turn(z, w, n, now.h, scale, tolerance)
+        if fraction < 1.0:
+            after.h = now.h * wp.max(fraction, 1.0e-3)
+            after.turns = now.turns + 1
+            return after
+    accept(z, w, n, now.t, now.h)
+    if not lossless:
+        set_rates(z, w, n, SPEED_FLOOR * tolerance * scale.speed)
+    after.t = now.t + now.h
+    after.h = now.h * growth
+    after.turns = 0
+    return after
+
+
+@wp.func
 def integrate(
     z: Contacts,
     w: int,
@@ -94,29 +155,18 @@ def integrate(
     scale = measure(z, w, n)
     span = Span()
     span.ended = True
-    lossless = bool(True)
-    for k in range(n):
-        z.y[k, w] = -z.gap[k, w]
-        z.c[k, w] = z.closing[k, w]
-        z.rate[k, w] = 1.0
-        z.P[k, w] = 0.0
-        z.M[k, w] = 0.0
-        z.onset[k, w] = 0.0
-        if z.e[k, w] < 1.0:
-            lossless = False
+    lossless = begin(z, w, n)
     if scale.speed == 0.0:
         return span
     first_stage(z, w, n)
-    c_floor = SPEED_FLOOR * tolerance * scale.speed
     same_impact = SAME_IMPACT_TIMES * scale.time
     # a twentieth of the contact time, then as the error says
     first_step = 0.05 * scale.time
-    h = float(first_step)
-    t = float(0.0)
-    turns = int(0)
+    now = Progress()
+    now.h = first_step
     going = bool(True)
     while going:
-        longest = wp.min(wp.max(flight, same_impact), horizon + same_impact - t)
+        longest = wp.min(wp.max(flight, same_impact), horizon + same_impact - now.t)
         alone = int(-1)
         if is_over(z, w, n, scale, tolerance, longest):
             going = False
@@ -128,37 +178,18 @@ def integrate(
             if flown < 0.0:
                 going = False
             else:
-                t += flown
+                now.t += flown
+                now.h = wp.min(now.h, first_step)
                 alone = closing_alone(z, w, n)
-                h = wp.min(h, first_step)
                 first_stage(z, w, n)
         if going:
             span.steps += 1
             if alone >= 0:
-                t += collide_alone(z, w, n, alone, t)
+                now.t += collide_alone(z, w, n, alone, now.t)
                 first_stage(z, w, n)
-                if t >= horizon + same_impact:
-                    leave_late(z, w, n)
             else:
-                error = try_step(z, w, n, h, scale, tolerance)
-                growth = wp.clamp(0.9 / wp.sqrt(wp.sqrt(error + 1.0e-10)), 0.2, 5.0)
-                fraction = float(1.0)
-                # two secant steps put the turn within the speed floor
-                if error <= 1.0 and not lossless and turns < 3:
-                    fraction = fraction_to_turn(z, w, n, h, scale, tolerance)
-                if error > 1.0:
-                    h *= growth
-                elif fraction < 1.0:
-                    h *= wp.max(fraction, 1.0e-3)
-                    turns += 1
-                else:
-                    turns = 0
-                    accept(z, w, n, t, h)
-                    t += h
-                    if not lossless:
-                        set_rates(z, w, n, c_floor)
-                    if t >= horizon + same_impact:
-                        leave_late(z, w, n)
-                    h *= growth
-    span.time = t
+                now = advance(z, w, n, now, scale, tolerance, lossless)
+            if now.t >= horizon + same_impact:
+                leave_late(z, w, n)
+    span.time = now.t
     return span

@@ -24,6 +24,14 @@ UNFINISHED = wp.constant(2)
 INVALID = wp.constant(4)
 
 
+@wp.struct
+class Outcome:
+    """What the impacts of one round took."""
+
+    steps: int  # of the law
+    flag: int  # what went wrong
+
+
 @wp.func
 def solve(
     pairs: Pairs, z: Contacts, w: int, n: int, left: float, h: float, most_steps: int
@@ -43,6 +51,73 @@ def solve(
     alone.steps = int(1)
     alone.ended = True
     return alone
+
+
+@wp.func
+def foresee(
+    bodies: Bodies,
+    pairs: Pairs,
+    paths: Paths,
+    world: World,
+    w: int,
+    h: float,
+    pressing_gravity: float,
+    number: int,
+) -> None:
+    """When each pair closes that round `number` struck; at first, with 0, all are."""
+    for p in range(pairs.first.shape[0]):
+        one = paths.round[pairs.first[p], w] == number
+        two = paths.round[pairs.second[p], w] == number
+        if one or two:
+            world.closing_time[p, w] = closing_time(
+                bodies, pairs, paths, p, w, h, pressing_gravity
+            )
+
+
+@wp.func
+def first_to_close(pairs: Pairs, world: World, w: int) -> int:
+    """The pair that closes first; −1 if none does."""
+    first = int(-1)
+    t = float(NEVER)
+    for p in range(pairs.first.shape[0]):
+        if world.closing_time[p, w] < t:
+            t = world.closing_time[p, w]
+            first = p
+    return first
+
+
+@wp.func
+def collide(
+    bodies: Bodies,
+    pairs: Pairs,
+    paths: Paths,
+    z: Contacts,
+    world: World,
+    w: int,
+    h: float,
+    first: int,
+    number: int,
+    most_steps: int,
+) -> Outcome:
+    """The impact that the pair `first` begins, in round `number`."""
+    t = world.closing_time[first, w]
+    outcome = Outcome()
+    n = gather(bodies, pairs, paths, z, world, first, w, t, h, number)
+    if n > z.pair.shape[0]:
+        outcome.flag = OVERFLOW
+        n = z.pair.shape[0]
+    make_rows(bodies, pairs, paths, z, n, w, t)
+    span = solve(pairs, z, w, n, h - t, h, most_steps)
+    outcome.steps = span.steps
+    if not span.ended:
+        outcome.flag = outcome.flag | UNFINISHED
+    press_out_dents(bodies, pairs, paths, z, w, n, wp.max(span.time, h - t))
+    count_forces_meanwhile(z, w, n)
+    if not add_impulses(bodies, pairs, paths, z, w, n, t, span.time, h):
+        # what does not push is left for the next step
+        set_busy(bodies, paths, pairs.first[first], w, h)
+        set_busy(bodies, paths, pairs.second[first], w, h)
+    return outcome
 
 
 @wp.kernel
@@ -75,23 +150,17 @@ def resolve(
     if weightless == 1:
         g = wp.vec3(0.0)
     pressing = resting_gravity(g, pressing_gravity)
-    count = pairs.first.shape[0]
     for x in range(bodies.kind.shape[0]):
         begin_path(bodies, paths, x, w, world.qpos, world.qvel, qvel, h, g)
-    for p in range(count):
+    for p in range(pairs.first.shape[0]):
         world.member[p, w] = 0
-        world.closing_time[p, w] = closing_time(bodies, pairs, paths, p, w, h, pressing)
     number = int(0)
     steps = int(0)
     flag = int(0)
     going = bool(True)
     while going:
-        first = int(-1)
-        t = float(NEVER)
-        for p in range(count):
-            if world.closing_time[p, w] < t:
-                t = world.closing_time[p, w]
-                first = p
+        foresee(bodies, pairs, paths, world, w, h, pressing, number)
+        first = first_to_close(pairs, world, w)
         if first < 0:
             going = False
         elif number >= most_impacts or steps >= most_steps:
@@ -99,28 +168,11 @@ def resolve(
             going = False
         else:
             number += 1
-            n = gather(bodies, pairs, paths, z, world, first, w, t, h, number)
-            if n > z.pair.shape[0]:
-                flag = flag | OVERFLOW
-                n = z.pair.shape[0]
-            make_rows(bodies, pairs, paths, z, n, w, t)
-            span = solve(pairs, z, w, n, h - t, h, most_steps - steps)
-            steps += span.steps
-            if not span.ended:
-                flag = flag | UNFINISHED
-            press_out_dents(bodies, pairs, paths, z, w, n, wp.max(span.time, h - t))
-            count_forces_meanwhile(z, w, n)
-            if not add_impulses(bodies, pairs, paths, z, w, n, t, span.time, h):
-                # what does not push is left for the next step
-                set_busy(bodies, paths, pairs.first[first], w, h)
-                set_busy(bodies, paths, pairs.second[first], w, h)
-            for p in range(count):
-                one = paths.round[pairs.first[p], w] == number
-                two = paths.round[pairs.second[p], w] == number
-                if one or two:
-                    world.closing_time[p, w] = closing_time(
-                        bodies, pairs, paths, p, w, h, pressing
-                    )
+            outcome = collide(
+                bodies, pairs, paths, z, world, w, h, first, number, most_steps - steps
+            )
+            steps += outcome.steps
+            flag = flag | outcome.flag
     for x in range(bodies.kind.shape[0]):
         commit(bodies, paths, x, w, h, implicit, qpos, qvel)
         if not wp.isfinite(wp.length(paths.P[x, w])):

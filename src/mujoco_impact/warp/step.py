@@ -67,28 +67,39 @@ def step(m: Any, d: Any, impacts: Impacts) -> None:
     wp.copy(impacts.world.qpos, d.qpos)
     wp.copy(impacts.world.qvel, d.qvel)
     if d.naconmax > 0 and d.njmax > 0:
-        wp.launch(
-            silence,
-            dim=d.naconmax,
-            inputs=[
-                impacts.bodies,
-                d.qpos,
-                d.qvel,
-                m.opt.timestep,
-                m.opt.gravity,
-                impacts.weightless,
-                impacts.pressing_gravity,
-                d.nacon,
-                d.contact.geom,
-                d.contact.worldid,
-                d.contact.dist,
-                d.contact.includemargin,
-                d.contact.frame,
-                d.contact.efc_address,
-                d.efc.D,
-            ],
-        )
+        _silence(m, d, impacts)
     step2(m, d)
+    _resolve(m, d, impacts)
+    wp.copy(impacts.seen, impacts.flags)
+
+
+def _silence(m: Any, d: Any, impacts: Impacts) -> None:
+    """Takes the contacts that move from the solver, between the halves of a step."""
+    wp.launch(
+        silence,
+        dim=d.naconmax,
+        inputs=[
+            impacts.bodies,
+            d.qpos,
+            d.qvel,
+            m.opt.timestep,
+            m.opt.gravity,
+            impacts.weightless,
+            impacts.pressing_gravity,
+            d.nacon,
+            d.contact.geom,
+            d.contact.worldid,
+            d.contact.dist,
+            d.contact.includemargin,
+            d.contact.frame,
+            d.contact.efc_address,
+            d.efc.D,
+        ],
+    )
+
+
+def _resolve(m: Any, d: Any, impacts: Impacts) -> None:
+    """Adds the impacts of the step, after it."""
     wp.launch(
         resolve,
         dim=d.nworld,
@@ -112,7 +123,6 @@ def step(m: Any, d: Any, impacts: Impacts) -> None:
             impacts.flags,
         ],
     )
-    wp.copy(impacts.seen, impacts.flags)
 
 
 def _check(m: Any, d: Any, impacts: Impacts) -> None:
