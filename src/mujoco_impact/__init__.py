@@ -40,8 +40,8 @@ if TYPE_CHECKING:
         reference,
         sensor,
         video,
-        warp,
     )
+    from mujoco_impact import warp as warp
     from mujoco_impact.calibration import Calibration, calibrate
     from mujoco_impact.comparing.compare import Comparison, compare
     from mujoco_impact.rollouts import Rollouts, rollout
@@ -80,7 +80,6 @@ __all__ = [
     "sensor_slice",
     "sweep",
     "video",
-    "warp",
 ]
 
 _MODULES = (
@@ -91,6 +90,7 @@ _MODULES = (
     "reference",
     "sensor",
     "video",
+    # not in __all__: without its extra `from mujoco_impact import *` would fail
     "warp",
 )
 _MEMBERS = {
@@ -107,7 +107,7 @@ _MEMBERS = {
 
 def __dir__() -> list[str]:
     """Returns all names, those that are imported when they are used included."""
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *__all__, *_MODULES})
 
 
 def __getattr__(name: str) -> Any:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 import multiprocessing
 import os
+import pickle
 import signal
 import threading
 from collections import deque
@@ -118,7 +119,22 @@ def _parts(
 
 def _run_part(function: Callable[[Task], Result], part: Sequence[Task]) -> list[Result]:
     """Does the tasks of a part, in a worker."""
-    return [function(task) for task in part]
+    try:
+        return [function(task) for task in part]
+    except Exception as error:
+        raise _portable(error) from error
+
+
+def _portable(error: Exception) -> Exception:
+    """Returns an error that other processes can read.
+
+    One that cannot be read there is taken for a process that was lost.
+    """
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        return WorkerError(f"{type(error).__name__}: {error}")
+    return error
 
 
 def _each(parts: Iterator[list[Result]]) -> Iterator[Result]:

@@ -69,6 +69,22 @@ def test_a_lost_process_loses_nothing(tmp_path):
     assert (tmp_path / "mark").exists()
 
 
+class TwoPartsError(Exception):
+    """Cannot be read in another process: it is made anew of one argument."""
+
+    def __init__(self, what: str, where: str):
+        super().__init__(f"{what} in {where}")
+
+
+def fail(_: int) -> int:
+    raise TwoPartsError("nonsense", "a worker")
+
+
+def test_an_error_that_cannot_be_sent_comes_back_as_its_text():
+    with pytest.raises(WorkerError, match="TwoPartsError: nonsense in a worker"):
+        list(executors.in_order(fail, range(2), processes=2))
+
+
 def test_work_that_kills_every_process_is_an_error():
     with pytest.raises(WorkerError, match="lost 4 times in part 1 of 2"):
         list(executors.in_order(die, range(2), processes=2))

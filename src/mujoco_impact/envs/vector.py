@@ -217,8 +217,8 @@ class ImpactVectorEnv(gymnasium.vector.VectorEnv):  # type: ignore[misc]
             frames.append(self._camera.picture(data))
         return tuple(frames)
 
-    def close_extras(self) -> None:
-        """Releases the threads and the camera."""
+    def close_extras(self, **options: Any) -> None:  # noqa: ARG002
+        """Releases the threads and the camera; options are those of other kinds."""
         self._camera.close()
         del self._batch, self._data
 

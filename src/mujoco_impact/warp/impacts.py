@@ -161,8 +161,8 @@ def put_impacts(
         ("contacts", contacts),
         ("law_steps", law_steps),
     ):
-        if value < 1:
-            raise SceneError(f"{name} = {value}: must be >= 1")
+        if not isinstance(value, int) or value < 1:
+            raise SceneError(f"{name} = {value!r}: must be a whole number >= 1")
     return Impacts(model, scene, nworld, contacts, law_steps)
 
 

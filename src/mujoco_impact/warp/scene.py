@@ -100,6 +100,10 @@ def read_scene(model: mujoco.MjModel) -> Scene:
         SceneError: If the model has no instance of the plugin, or something that is
             not supported on Warp.
     """
+    if not isinstance(model, mujoco.MjModel):
+        kind = type(model).__name__
+        msg = f"model is of type {kind}; allowed: mujoco.MjModel, a compiled model"
+        raise SceneError(msg)
     instances = plugin_instances(model)
     if not instances:
         msg = "the model has no instance of the plugin: mujoco_impact.attach adds one"
