@@ -41,8 +41,8 @@ MARKERS = (*panels.MARKERS, "P", "X", "<", ">")
 STYLES = ("-", "--", ":", "-.")
 """One for each set of numbers of lines of one colour."""
 
-LEGEND_WIDTH = 2.6
-"""Width of a column of a legend [inch]."""
+LETTER_WIDTH, LINE_WIDTH = 0.085, 0.7
+"""Width of a letter of a legend, and of the line beside a label [inch]."""
 
 
 def plot_sweep(sweep: Sweep, path: str | os.PathLike[str]) -> Path:
@@ -84,7 +84,8 @@ def _add_legends(figure: Figure, lowest: Sequence[Axes], width: float) -> None:
     if len(labels) == 1:
         handles, names = found[0]
         if len(names) > 1:
-            columns = min(len(names), max(2, round(width / LEGEND_WIDTH)))
+            each = LINE_WIDTH + LETTER_WIDTH * max(map(len, names))
+            columns = min(len(names), max(1, int(width / each)))
             figure.legend(
                 handles,
                 names,
