@@ -6,6 +6,7 @@ import dataclasses
 import mujoco
 import numpy as np
 import pytest
+from judged import violations
 
 from mujoco_impact_lab.stress import DEFAULTS, OURS, SHAPES, judge, shrunk, sweep
 from mujoco_impact_lab.stress.case import INTEGRATORS
@@ -50,13 +51,7 @@ def outcomes():
 
 @pytest.mark.parametrize("name", BY_NAME)
 def test_random_shapes_keep_their_promises(outcomes, name):
-    broken = [
-        f"{verdict.value:.3g} in {outcome.case.describe()}"
-        for outcome in outcomes
-        for verdict in outcome.verdicts
-        if verdict.is_violation and verdict.invariant == name
-    ]
-    assert not broken
+    assert not violations(outcomes, name)
 
 
 def test_the_sample_is_worth_judging(outcomes):

@@ -3,6 +3,7 @@
 import dataclasses
 
 import pytest
+from judged import violations
 
 from mujoco_impact import Material, MaterialPair
 from mujoco_impact_lab.stress import MATERIALS, OURS, sweep
@@ -49,13 +50,7 @@ def outcomes():
 
 @pytest.mark.parametrize("name", BY_NAME)
 def test_random_materials_keep_their_promises(outcomes, name):
-    broken = [
-        f"{verdict.value:.3g} in {outcome.case.describe()}"
-        for outcome in outcomes
-        for verdict in outcome.verdicts
-        if verdict.is_violation and verdict.invariant == name
-    ]
-    assert not broken
+    assert not violations(outcomes, name)
 
 
 def test_the_sample_is_worth_judging(outcomes):
